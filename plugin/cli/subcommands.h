@@ -42,6 +42,7 @@ struct ImportArguments {
     std::vector<std::string> files;
     std::string out;
     std::string protocol, specimen; ///< empty: not known
+    std::string encoding;           ///< of texts that are not UTF; empty: from the bytes
     std::string columns;            ///< a name per column, separated by commas; empty: from the headings
     double rate = 0.0;              ///< Hz, 0: from the file
     double speed = 0.0;             ///< mm/s, 0: from the file

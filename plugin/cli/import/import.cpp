@@ -86,6 +86,7 @@ std::string commandOf(const ImportArguments& a, bool alone) {
     add("--specimen", a.specimen);
     add("--protocol", a.protocol);
     add("--scene", a.scene);
+    add("--encoding", a.encoding);
     number("--rate", a.rate, 0.0);
     number("--speed", a.speed, 0.0);
     number("--tolerance", a.tolerance, 0.0);
@@ -111,6 +112,7 @@ std::string commandOf(const ImportArguments& a, bool alone) {
 Result<importing::Hints> hintsOf(const ImportArguments& a) {
     using Answer = Result<importing::Hints>;
     importing::Hints hints;
+    hints.encoding = importing::encodingOf(a.encoding);
     if (!a.columns.empty()) // "time[s],displacement[mm],-"
         hints.columns = record::splitAt(a.columns, ',');
     for (const std::string& text : a.units.empty() ? std::vector<std::string>{} : record::splitAt(a.units, ',')) {

@@ -99,6 +99,9 @@ Subcommand describeImport(CLI::App& app) {
     subcommand->add_option("--average", a.average, "for angles: average N rows into one")
         ->check(positive)
         ->type_name("N");
+    subcommand->add_option("--encoding", a.encoding, "encoding of a text that is neither UTF-8 nor UTF-16")
+        ->check(CLI::IsMember({"windows-1252", "windows-1251", "shift-jis"}).description(""))
+        ->type_name("windows-1252|windows-1251|shift-jis");
     const std::map<std::string, int> signs{{"positive", 1}, {"negative", -1}};
     subcommand
         ->add_option("--displacement", a.displacementSign,

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace supercircle::replay {
 
@@ -194,15 +196,51 @@ FreeScales freeScales(const Experiment& e) {
     return out;
 }
 
-experiment::NaturalUnits naturalUnits(const Experiment& e) {
-    if (!experiment::isMechanism(e))
-        return experiment::unitsOfSpecimens(e);
+namespace {
+
+/// All that freeScales() reads of an experiment.
+struct ScaleInputs {
+    std::string text, file;
+    bool driven = false;
+    std::vector<std::pair<std::string, double>> values;
+    double gravityX = 0.0, gravityY = 0.0, way = 0.0, duration = 0.0;
+    bool operator==(const ScaleInputs&) const = default;
+};
+
+ScaleInputs scaleInputs(const Experiment& e) {
+    ScaleInputs in{e.scene->text, e.scene->file, e.scene->driven, {}, e.gravity.x, e.gravity.y, 0.0, 0.0};
+    for (const experiment::SceneParameter& s : e.scene->parameters)
+        in.values.emplace_back(s.name, s.stated.value);
+    if (e.runs.empty())
+        return in;
+    for (const experiment::SceneParameter& s : e.runs.front().parameters)
+        in.values.emplace_back(s.name, s.stated.value);
+    for (const Run& run : e.runs)
+        for (const double d : run.driveDisplacement)
+            in.way = std::max(in.way, std::abs(d));
+    in.duration = e.runs.front().driveTime.back();
+    return in;
+}
+
+experiment::NaturalUnits unitsOfScene(const Experiment& e) {
     const FreeScales own = freeScales(e), reference;
     experiment::NaturalUnits u;
     u.length = own.length / reference.length;
     u.time = u.settling = reference.fastest / own.fastest;
     u.force = own.torque / reference.torque / u.length;
     return u;
+}
+
+} // namespace
+
+experiment::NaturalUnits naturalUnits(const Experiment& e) {
+    if (!experiment::isMechanism(e))
+        return experiment::unitsOfSpecimens(e);
+    // Every simulation of a diagnosis asks for them: the last scene of a thread is parsed once.
+    thread_local std::optional<std::pair<ScaleInputs, experiment::NaturalUnits>> last;
+    if (ScaleInputs in = scaleInputs(e); !last || !(last->first == in))
+        last.emplace(std::move(in), unitsOfScene(e));
+    return last->second;
 }
 
 Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters& p, const Resolution& resolution,

@@ -202,14 +202,9 @@ Status addTable(const std::string& file, const Text& text, Table&& table, const 
 }
 
 /// Runs of one file are added.
-Status addFile(const std::string& file, const Hints& hints, Imported& all) {
+Status addFile(const std::string& file, std::string&& bytes, const Hints& hints, Imported& all) {
     const auto failed = [&](const std::string& why) { return Status::failure(about(file, why)); };
-    if (std::any_of(all.sources.begin(), all.sources.end(), [&](const Source& s) { return s.file == file; }))
-        return failed("this file is given twice");
-    auto bytes = record::readText(file, kMostBytes);
-    if (!bytes)
-        return Status::failure(bytes.error());
-    auto text = decode(*std::move(bytes));
+    auto text = decode(std::move(bytes), hints.encoding);
     if (!text)
         return failed(text.error());
     auto tables = readTables(*text, hints);
@@ -242,14 +237,8 @@ void nameMarkers(Imported& all) {
     }
 }
 
-} // namespace
-
-Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints) {
-    Imported all;
+void finish(Imported& all, const Hints& hints) {
     all.forceUnitConfirmed = hints.accept.count("units") > 0;
-    for (const std::string& file : files)
-        if (const Status added = addFile(file, hints, all); !added)
-            return Result<Imported>::failure(added.error());
     nameMarkers(all);
     for (std::size_t k = 0; k < all.runs.size(); ++k) {
         ImportedRun& run = all.runs[k];
@@ -257,6 +246,32 @@ Result<Imported> readExports(const std::vector<std::string>& files, const Hints&
         if (run.markers.channels.size() > 2)
             run.markersFile = "run_" + std::to_string(k + 1) + "_markers.csv";
     }
+}
+
+} // namespace
+
+Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints) {
+    Imported all;
+    for (std::size_t k = 0; k < files.size(); ++k) {
+        const auto here = files.begin() + static_cast<std::ptrdiff_t>(k);
+        if (std::find(files.begin(), here, files[k]) != here)
+            return Result<Imported>::failure(about(files[k], "this file is given twice"));
+        auto bytes = record::readText(files[k], kMostBytes);
+        if (!bytes)
+            return Result<Imported>::failure(bytes.error());
+        if (const Status added = addFile(files[k], *std::move(bytes), hints, all); !added)
+            return Result<Imported>::failure(added.error());
+    }
+    finish(all, hints);
+    return all;
+}
+
+Result<Imported> readTexts(std::vector<record::NamedText> texts, const Hints& hints) {
+    Imported all;
+    for (record::NamedText& text : texts)
+        if (const Status added = addFile(text.first, std::move(text.second), hints, all); !added)
+            return Result<Imported>::failure(added.error());
+    finish(all, hints);
     return all;
 }
 

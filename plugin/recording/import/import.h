@@ -47,6 +47,9 @@ struct Imported {
 /// expected.
 Result<Imported> readExports(const std::vector<std::string>& files, const Hints& hints);
 
+/// The same for exports in memory, each with a name and its bytes.
+Result<Imported> readTexts(std::vector<record::NamedText> texts, const Hints& hints);
+
 /// Report of everything understood, assumed, corrected and left out.
 std::string account(const Imported& imported);
 

@@ -6,6 +6,7 @@
 #include "plugin/recording/import/reading/text.h"
 
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -61,6 +62,7 @@ struct ForceZero {
 
 /// Information given by the user.
 struct Hints {
+    std::optional<Encoding> encoding; ///< of texts without a byte order mark; empty: from the bytes
     std::vector<std::string> columns; ///< "displacement[mm]", "force[N]", "-": per column; empty: from the headings
     double rate = 0.0;                ///< Hz, without times; 0: unknown
     double speed = 0.0;               ///< m/s, of the crosshead, without times; 0: unknown

@@ -283,8 +283,7 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
     }
 }
 
-/// One step of `size` s from `start` s on, where the geometry was evaluated last, and at whose end it is. False: it
-/// must be shorter.
+/// One step of `size` s from `start` s on; the geometry is evaluated at its start, then at its end. False: too long.
 bool FreeMotion::tryStep(double start, double size) {
     const double tau = kGamma * size;
     system_.factor(tau);

@@ -163,6 +163,43 @@ constexpr std::array kWords = {Word{"time", Quantity::Time, 5},
                                Word{"encoder", Quantity::Angle, 3},
                                Word{"pendulum", Quantity::Angle, 3}};
 
+/// Words in other alphabets, folded, as one of kWords; their first letters suffice. Longer ones stand first.
+constexpr std::array<std::pair<const char*, const char*>, 21> kTranslated = {
+    {{"время", "time"},          {"перемещ", "displacement"},
+     {"смещен", "displacement"}, {"деформац", "deformation"},
+     {"удлинен", "elongation"},  {"ход", "stroke"},
+     {"прогиб", "deflection"},   {"нагруз", "load"},
+     {"усили", "force"},         {"сила", "force"},
+     {"угол", "angle"},          {"скорость", "speed"},
+     {"напряж", "stress"},       {"時間", "time"},
+     {"変位", "displacement"},   {"ストローク", "stroke"},
+     {"荷重", "load"},           {"試験力", "force"},
+     {"角度", "angle"},          {"応力", "stress"},
+     {"ひずみ", "strain"}}};
+/// Units in Cyrillic, folded.
+constexpr std::array<std::pair<const char*, const char*>, 14> kTranslatedUnits = {{{"с", "s"},
+                                                                                   {"сек", "s"},
+                                                                                   {"мс", "ms"},
+                                                                                   {"мин", "min"},
+                                                                                   {"ч", "h"},
+                                                                                   {"мм", "mm"},
+                                                                                   {"см", "cm"},
+                                                                                   {"м", "m"},
+                                                                                   {"мкм", "um"},
+                                                                                   {"н", "N"},
+                                                                                   {"кн", "kN"},
+                                                                                   {"кгс", "kgf"},
+                                                                                   {"град", "deg"},
+                                                                                   {"рад", "rad"}}};
+
+/// With the words of other alphabets as words of kWords, blanks around them.
+std::string translated(std::string folded) {
+    for (const auto& [word, english] : kTranslated)
+        for (std::size_t at = folded.find(word); at != std::string::npos; at = folded.find(word))
+            folded.replace(at, std::string_view(word).size(), " " + std::string(english) + " ");
+    return folded;
+}
+
 /// Names of a column that numbers the rows.
 constexpr std::array kCounters = {"index", "point",  "points", "nr",    "no",        "row",        "rows",
                                   "step",  "sample", "count",  "frame", "messpunkt", "datenpunkt", "punkt"};
@@ -336,6 +373,12 @@ Unit unitOf(std::string_view text) {
            (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
         text = trimmed(text.substr(0, text.size() - 1));
     const std::string low = folded(text);
+    for (const auto& [cyrillic, latin] : kTranslatedUnits)
+        if (low == cyrillic) {
+            Unit unit = unitOf(latin);
+            unit.name = std::string(text);
+            return unit;
+        }
     if (low.find(':') != std::string::npos &&
         (low.find_first_not_of("hms:.0fdyt ") == std::string::npos || isClockFormat(low)))
         return {"s", Quantity::Time, 1.0}; // hh:mm:ss is read as seconds
@@ -388,7 +431,7 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
         h.rank = 5;
         return h;
     }
-    const std::vector<std::string> words = wordsOf(folded(text));
+    const std::vector<std::string> words = wordsOf(translated(folded(text)));
     findQuantity(words, h.unit.measures, h);
     findMarker(words, h);
     // a heading that says nothing but a unit still says what is measured

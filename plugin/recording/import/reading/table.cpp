@@ -350,6 +350,9 @@ Result<std::vector<Table>> readTables(const Text& text, const Hints& hints) {
     auto layout = layoutOf(lines);
     if (!layout)
         return Tables::failure(layout.error());
+    if (!text.otherEncoding.empty())
+        layout->decisions.insert(layout->decisions.begin(),
+                                 {"encoding", text.encoding, text.otherEncoding, text.encodingOdds, "--encoding"});
     std::vector<Remark> form;
     describe(text, *layout, form);
     auto tables = chooseColumns(lines, *std::move(layout), hints);

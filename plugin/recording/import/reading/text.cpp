@@ -9,25 +9,6 @@ namespace supercircle::importing {
 
 namespace {
 
-void appendUtf8(std::string& out, std::uint32_t c) {
-    const auto put = [&](std::uint32_t byte) { out += static_cast<char>(byte); };
-    if (c < 0x80) {
-        put(c);
-    } else if (c < 0x800) {
-        put(0xC0 | (c >> 6));
-        put(0x80 | (c & 63));
-    } else if (c < 0x10000) {
-        put(0xE0 | (c >> 12));
-        put(0x80 | ((c >> 6) & 63));
-        put(0x80 | (c & 63));
-    } else {
-        put(0xF0 | (c >> 18));
-        put(0x80 | ((c >> 12) & 63));
-        put(0x80 | ((c >> 6) & 63));
-        put(0x80 | (c & 63));
-    }
-}
-
 /// Length of the sequence a UTF-8 lead byte announces, 0 for none.
 std::size_t announced(unsigned char lead) {
     return lead < 0x80                   ? 1
@@ -70,23 +51,6 @@ std::string fromUtf16(std::string_view bytes, bool bigEndian) {
     return out;
 }
 
-/// Windows-1252 0x80 to 0x9F; 0: not used.
-constexpr std::array<std::uint16_t, 32> kWindows = {0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
-                                                    0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
-                                                    0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
-                                                    0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0,      0x017E, 0x0178};
-
-std::string fromWindows(std::string_view bytes) {
-    std::string out;
-    out.reserve(bytes.size() + bytes.size() / 8);
-    for (const char b : bytes) {
-        const auto c = static_cast<unsigned char>(b);
-        const std::uint32_t wide = c >= 0x80 && c < 0xA0 ? kWindows[c - 0x80] : c;
-        appendUtf8(out, wide == 0 ? 0xFFFD : wide);
-    }
-    return out;
-}
-
 std::string lineEndsOf(std::string_view text) {
     std::size_t lf = 0, crlf = 0, cr = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -122,7 +86,7 @@ Result<Text> refused(const std::string& what) {
 
 } // namespace
 
-Result<Text> decode(std::string bytes) {
+Result<Text> decode(std::string bytes, std::optional<Encoding> stated) {
     Text t;
     if (bytes.empty())
         return refused("the file is empty");
@@ -133,7 +97,7 @@ Result<Text> decode(std::string bytes) {
     if (startsWith(bytes, "\xEF\xBB\xBF")) {
         t.encoding = "UTF-8 with byte order mark";
         bytes.erase(0, 3);
-        t.utf8 = validUtf8(bytes) ? std::move(bytes) : fromWindows(bytes);
+        t.utf8 = validUtf8(bytes) ? std::move(bytes) : toUtf8(bytes, Encoding::Windows1252);
     } else if (startsWith(bytes, "\xFF\xFE")) {
         t.encoding = "UTF-16 (little-endian)";
         t.utf8 = fromUtf16(std::string_view(bytes).substr(2), false);
@@ -145,12 +109,24 @@ Result<Text> decode(std::string bytes) {
         t.utf8 = fromUtf16(bytes, zeros == 0);
     } else if (bytes.find('\0') != std::string::npos) {
         return refused("there are zero bytes in it: this is not a text");
-    } else if (validUtf8(bytes)) {
+    } else if (!stated && validUtf8(bytes)) {
         t.encoding = "UTF-8";
         t.utf8 = std::move(bytes); // recordings can be large
     } else {
-        t.encoding = "Windows-1252";
-        t.utf8 = fromWindows(bytes);
+        const EncodingGuess guess = guessEncoding(bytes);
+        const Encoding encoding = stated.value_or(guess.best);
+        constexpr double kSure = 10.0; // as for signs, units and clocks
+        if (!stated && guess.odds < kSure)
+            return Result<Text>::failure("1:1: the text may be " + std::string(name(guess.best)) + " or " +
+                                         name(guess.second) + "; say which one with --encoding " +
+                                         optionName(guess.best) + "|" + optionName(guess.second));
+        t.encoding = name(encoding);
+        t.otherEncoding = stated ? "" : name(guess.second);
+        t.encodingOdds = stated ? 0.0 : guess.odds;
+        t.utf8 = toUtf8(bytes, encoding);
+        if (t.utf8.empty())
+            return Result<Text>::failure("1:1: the text is " + t.encoding +
+                                         ", which this system cannot convert; export it again in UTF-8");
     }
     t.lineEnds = lineEndsOf(t.utf8);
     return t;
@@ -268,6 +244,10 @@ std::string folded(std::string_view utf8) {
         if (found != kAccents.end()) {
             out += found->second;
             i += found->first.size();
+        } else if (utf8[i] == '\xD0' && i + 1 < utf8.size() && utf8[i + 1] >= '\x90' && utf8[i + 1] <= '\xAF') {
+            const auto c = static_cast<unsigned long>(static_cast<unsigned char>(utf8[i + 1]));
+            appendUtf8(out, 0x430 + (c - 0x90)); // a Cyrillic capital
+            i += 2;
         } else {
             const char c = utf8[i++];
             out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -1,8 +1,10 @@
 #pragma once
 // Bytes of an export as lines of UTF-8, and cells of a line.
 
+#include "plugin/recording/import/reading/encoding.h"
 #include "supercircle/support/result.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,15 +13,18 @@ namespace supercircle::importing {
 
 /// A file as text.
 struct Text {
-    std::string utf8;     ///< without byte order mark
-    std::string encoding; ///< "UTF-8", "UTF-8 with byte order mark", "UTF-16 (little-endian)", "Windows-1252"
-    std::string lineEnds; ///< "LF", "CRLF", "CR", "mixed"
+    std::string utf8;          ///< without byte order mark
+    std::string encoding;      ///< "UTF-8", "UTF-8 with byte order mark", "UTF-16 (little-endian)", "Windows-1252"
+    std::string otherEncoding; ///< the next most probable one; empty: it is certain
+    double encodingOdds = 0.0; ///< of the encoding against the other one
+    std::string lineEnds;      ///< "LF", "CRLF", "CR", "mixed"
 };
 
-/// Recognises the encoding: byte order marks, UTF-16 without one (zero bytes), valid UTF-8, else Windows-1252 (which
-/// contains Latin-1).
-/// @return the text, or why it is none (a spreadsheet, a zip, an image)
-Result<Text> decode(std::string bytes);
+/// Recognises the encoding: byte order marks, UTF-16 without one (zero bytes), valid UTF-8, else the most probable one
+/// of a byte or two a character (encoding.h).
+/// @param stated of texts without a mark
+/// @return the text, or why it is none (a spreadsheet, a zip, an image), or which encodings are to be decided between
+Result<Text> decode(std::string bytes, std::optional<Encoding> stated = {});
 
 /// Lines without their ends; "\n", "\r\n" and "\r" end one.
 std::vector<std::string_view> linesOf(std::string_view text);

@@ -6,7 +6,7 @@
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/replay/simulate.h"
-#include "plugin/scene/loader/document.h"
+#include "tests/support/pendulum.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -25,30 +25,11 @@ experiment::Experiment pendulum(std::uint64_t seed, double box) {
     Random random(seed);
     const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
     const double length = between(0.1, 0.3), friction = between(0.2, 1.0) * 2e-4;
-    experiment::Experiment e;
-    e.protocol = experiment::Protocol::FreeScene;
-    e.gravity = {0.0, -9.81};
-    experiment::FreeScene s;
-    s.file = "pendulum.json";
-    std::vector<scene::Problem> problems;
-    s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
-    s.parameters = {{"length", {length, 0.02 * box * length}, "m", ""}};
-    s.observation.target = "rod";
-    s.observation.quantity = scene::Observation::Quantity::Angle;
-    s.channel = {"angle", "deg", "angle_deg", 180.0 / M_PI, 1.0};
-    s.zero.halfWidth = 0.5 * kDegree * box;
-    e.scene = s;
+    experiment::Experiment e = test::pendulum({length, 0.02 * box * length});
+    e.scene->zero.halfWidth = 0.5 * kDegree * box;
     e.sensors.forceNoise = 0.1 * kDegree;
-    for (int r = 0; r < 2; ++r) {
-        experiment::Run run;
-        run.file = "run_" + std::to_string(r + 1) + ".csv";
-        run.driveTime = {0.0, 3.0};
-        run.driveDisplacement = {0.0, 0.0};
-        run.samplingRate = 50.0;
-        run.parameters = {{"release_angle", {-between(0.7, 2.4), 0.5 * kDegree * box}, "rad", ""},
-                          {"release_spin", {0.0, 0.1 * box}, "rad/s", ""}};
-        e.runs.push_back(run);
-    }
+    for (int r = 0; r < 2; ++r)
+        test::addSwing(e, 3.0, 50.0, {-between(0.7, 2.4), 0.5 * kDegree * box}, {0.0, 0.1 * box});
     replay::Parameters truth = replay::nominal(e);
     const auto off = [&](const std::string& name, double halfWidth) {
         const double at = replay::get(truth, e, name).value();

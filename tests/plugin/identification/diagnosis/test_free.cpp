@@ -12,6 +12,7 @@
 #include "plugin/recording/experiment/load.h"
 #include "plugin/scene/loader/document.h"
 #include "tests/support/folder.h"
+#include "tests/support/pendulum.h"
 
 #include <cmath>
 #include <numeric>
@@ -25,30 +26,11 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// A rod released at three angles; readings are empty.
 experiment::Experiment pendulum() {
-    experiment::Experiment e;
-    e.protocol = experiment::Protocol::FreeScene;
-    e.gravity = {0.0, -9.81};
-    experiment::FreeScene s;
-    s.file = "pendulum.json";
-    std::vector<scene::Problem> problems;
-    s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
-    s.parameters = {{"length", {0.124, 0.003}, "m", ""}};
-    s.observation.target = "rod";
-    s.observation.quantity = scene::Observation::Quantity::Angle;
-    s.channel = {"angle", "deg", "angle_deg", 1.0 / kDegree, 1.0};
-    s.zero.halfWidth = 0.5 * kDegree;
-    e.scene = s;
+    experiment::Experiment e = test::pendulum({0.124, 0.003});
+    e.scene->zero.halfWidth = 0.5 * kDegree;
     e.sensors.forceNoise = 0.1 * kDegree;
-    for (const double angle : {-60.0, -110.0, -150.0}) {
-        experiment::Run run;
-        run.file = "run_" + std::to_string(e.runs.size() + 1) + ".csv";
-        run.driveTime = {0.0, 4.0};
-        run.driveDisplacement = {0.0, 0.0};
-        run.samplingRate = 100.0;
-        run.parameters = {{"release_angle", {angle * kDegree, 0.3 * kDegree}, "rad", ""},
-                          {"release_spin", {0.0, 0.2}, "rad/s", ""}};
-        e.runs.push_back(run);
-    }
+    for (const double angle : {-60.0, -110.0, -150.0})
+        test::addSwing(e, 4.0, 100.0, {angle * kDegree, 0.3 * kDegree}, {0.0, 0.2});
     return e;
 }
 

@@ -2,9 +2,9 @@
 
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/recording/experiment/natural_units.h"
-#include "plugin/scene/loader/document.h"
 #include "tests/plugin/identification/replay/scaled.h"
 #include "tests/plugin/identification/replay/support.h"
+#include "tests/support/pendulum.h"
 
 #include <cmath>
 
@@ -116,24 +116,10 @@ namespace {
 
 /// The shipped pendulum, released at rest.
 experiment::Experiment pendulum(const Factors& f) {
-    experiment::Experiment e;
-    e.protocol = experiment::Protocol::FreeScene;
+    experiment::Experiment e = test::pendulum({0.124 * f.length, 0.0});
     e.gravity = {0.0, -9.81 * f.length / (f.time * f.time)};
-    experiment::FreeScene s;
-    s.file = "pendulum.json";
-    std::vector<scene::Problem> problems;
-    s.text = scene::readFile(std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json", problems).value();
-    s.parameters = {{"length", {0.124 * f.length, 0.0}, "m", ""}, {"thickness", {0.004 * f.length, 0.0}, "m", ""}};
-    s.observation.target = "rod";
-    s.observation.quantity = scene::Observation::Quantity::Angle;
-    s.channel = {"angle", "deg", "angle_deg", 180.0 / M_PI, 1.0};
-    e.scene = s;
-    experiment::Run run;
-    run.driveTime = {0.0, 4.0 * f.time};
-    run.driveDisplacement = {0.0, 0.0};
-    run.samplingRate = 100.0 / f.time;
-    run.parameters = {{"release_angle", {-1.9, 0.0}, "rad", ""}};
-    e.runs = {run};
+    e.scene->parameters.push_back({"thickness", {0.004 * f.length, 0.0}, "m", ""});
+    test::addSwing(e, 4.0 * f.time, 100.0 / f.time, {-1.9, 0.0}, {});
     return e;
 }
 

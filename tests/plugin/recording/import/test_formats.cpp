@@ -92,6 +92,26 @@ TEST_CASE("encodings", "[importing]") {
     CHECK_THAT(accountOf(exported(s)), Contains("Windows-1252") && Contains("Prüfer: Müller") && Contains("[µm]"));
 }
 
+TEST_CASE("exports in Cyrillic and Japanese", "[importing]") {
+    Style s;
+    s.separator = ';';
+    s.decimal = ',';
+    s.head = "\xCE\xE1\xF0\xE0\xE7\xE5\xF6;7\n"                        // Образец
+             "\xC2\xF0\xE5\xEC\xFF, \xF1;"                             // Время, с
+             "\xCF\xE5\xF0\xE5\xEC\xE5\xF9\xE5\xED\xE8\xE5, \xEC\xEC;" // Перемещение, мм
+             "\xCD\xE0\xE3\xF0\xF3\xE7\xEA\xE0, \xEA\xCD";             // Нагрузка, кН
+    s.perNewton = 1e-3;
+    s.digits = 9;
+    same(exported(s));
+    CHECK_THAT(accountOf(exported(s)), Contains("Windows-1251") && Contains("column 3 \"Нагрузка, кН\" is force [кН]"));
+    s = {};
+    s.head = "\x8E\x8E\x8C\xB1\x93\xFA,2020/1/1\n"                        // 試験日
+             "\x8E\x9E\x8A\xD4,\x83\x58\x83\x67\x83\x8D\x81\x5B\x83\x4E," // 時間, ストローク
+             "\x8E\x8E\x8C\xB1\x97\xCD\nsec,mm,N";                        // 試験力
+    same(exported(s));
+    CHECK_THAT(accountOf(exported(s)), Contains("Shift-JIS") && Contains("column 3 \"試験力\" is force [N]"));
+}
+
 TEST_CASE("units in names, in brackets, on a line of their own", "[importing]") {
     Style s;
     s.head = "Time,Extension,Load\n(min),(in),(lbf)";

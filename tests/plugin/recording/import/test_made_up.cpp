@@ -115,7 +115,8 @@ void fuzz(std::size_t files, unsigned seed) {
     for (const Machine& m : machines())
         for (const Fault fault : {Sound, Preload, ClockSetBack, BlocksAndFooter, OtherClock, Compression, Mangled}) {
             std::vector<Row> some = truth(fault == Preload ? 8.0 : 0.0), few;
-            for (std::size_t i = 0; i < some.size(); i += 4)
+            // short exports are read faster; above a hundred rows a table is found in another way
+            for (std::size_t i = 0; i < some.size(); i += exports.size() % 12 == 0 ? 4 : 15)
                 few.push_back(some[i]);
             exports.push_back(written(m, fault, few));
             sound.emplace_back();
@@ -125,12 +126,11 @@ void fuzz(std::size_t files, unsigned seed) {
                     sound.back().insert(line);
         }
     std::mt19937 random(seed); // the same on every machine
-    const Folder folder;
     std::size_t accepted = 0;
     for (std::size_t i = 0; i < files; ++i) {
         const std::size_t which = random() % exports.size();
         const std::string text = mutated(random, exports[which]);
-        const auto all = importing::readExports({folder.write("x.csv", text)}, {});
+        const auto all = importing::readTexts({{"x.csv", text}}, {});
         INFO("file " << i << " of seed " << seed);
         if (!all) {
             REQUIRE_FALSE(all.error().empty());
@@ -151,9 +151,10 @@ void fuzz(std::size_t files, unsigned seed) {
                             : 0;
         }
         const std::size_t whole = rowsIn(text, sound[which]);
-        INFO(used << " rows used and " << lost << " told as lost of " << whole << "\n"
+        if (static_cast<double>(used + lost) >= 0.99 * static_cast<double>(whole) - 1.0)
+            continue;
+        FAIL(used << " rows used and " << lost << " told as lost of " << whole << "\n"
                   << importing::account(*all) << text);
-        REQUIRE(static_cast<double>(used + lost) >= 0.99 * static_cast<double>(whole) - 1.0);
     }
     CHECK(10 * accepted > files); // else it tests refusals only
 }

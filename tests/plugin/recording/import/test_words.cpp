@@ -57,6 +57,37 @@ TEST_CASE("encodings are recognised", "[importing]") {
     CHECK(linesOf("a\r\nb\rc\n\nd").size() == 5);
 }
 
+TEST_CASE("Cyrillic and Japanese texts are told from Western ones", "[importing]") {
+    const std::string cyrillic = "\xC2\xF0\xE5\xEC\xFF, \xF1;\xD1\xE8\xEB\xE0, \xEA\xCD\n"; // Время, с;Сила, кН
+    const std::string japanese = "\x8E\x9E\x8A\xD4(sec),\x8E\x8E\x8C\xB1\x97\xCD(N)\n";     // 時間(sec),試験力(N)
+    const std::string kana = "\x83\x58\x83\x67\x83\x8D\x81\x5B\x83\x4E\n";                  // ストローク
+    CHECK(decode(cyrillic).value().utf8 == "Время, с;Сила, кН\n");
+    CHECK(decode(japanese).value().utf8 == "時間(sec),試験力(N)\n");
+    CHECK(decode(kana).value().utf8 == "ストローク\n");
+    CHECK(decode(cyrillic).value().encoding == "Windows-1251");
+    CHECK(decode(japanese).value().encoding == "Shift-JIS");
+    CHECK(decode(japanese).value().encodingOdds > 10.0);
+    // Western words, with all the accents that other encodings make characters of
+    for (const char* western : {"D\xE9placement", "Cr\xE9\xE9\xE9", "l\xE4ngs", "Ma\xDF", "\xD8 10",
+                                "22 \xB0"
+                                "C",
+                                "\xB5m", "Velocit\xE0 \xE8", "\x93quoted\x94", "na\xEFve na\xEFve"}) {
+        INFO(western);
+        const auto text = decode(western);
+        INFO(text.error());
+        REQUIRE(text);
+        CHECK(text->encoding == "Windows-1252");
+    }
+    // two letters may be either
+    CHECK_THAT(decode("\xEC\xEC;1\n").error(), Contains("--encoding windows-") && Contains("1:1: the text may be"));
+    CHECK(decode("\xEC\xEC;1\n", Encoding::Windows1251).value().utf8 == "мм;1\n");
+    CHECK(decode("\xEC\xEC;1\n", Encoding::Windows1252).value().utf8 == "ìì;1\n");
+    CHECK(decode("\x8E\x9E\xFF\n", Encoding::ShiftJis).value().utf8 == "時\xEF\xBF\xBD\n"); // 0xFF is no character
+    for (const Encoding e : {Encoding::Windows1252, Encoding::Windows1251, Encoding::ShiftJis})
+        CHECK(encodingOf(optionName(e)) == e);
+    CHECK_FALSE(encodingOf("latin"));
+}
+
 TEST_CASE("other files than text are refused", "[importing]") {
     CHECK_THAT(decode("").error(), Contains("empty"));
     CHECK_THAT(decode("PK\x03\x04xyz").error(), Contains("spreadsheet") && Contains("export it as CSV"));

@@ -60,7 +60,7 @@ private:
 std::optional<scene::Scene> sceneOf(const Experiment& e, std::size_t run, const Parameters& p, std::string& why) {
     std::vector<scene::Override> overrides;
     for (const SceneValue& v : p.scene)
-        if (v.run < 0 || static_cast<std::size_t>(v.run) == run)
+        if (holdsIn(v, e, run))
             overrides.push_back({v.name, v.value});
     std::vector<scene::Problem> problems;
     auto scene = scene::loadText(e.scene->text, e.scene->file, overrides, problems);

@@ -61,7 +61,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         const bool ofSpecimen = info.name == "bending_modulus" || info.name == "natural_curvature" ||
                                 info.name == "thickness" || info.name == "linear_mass";
         const bool ofOne = info.name.find('.') != std::string::npos;
-        if (info.stated.halfWidth <= 0.0 || (apart && ofSpecimen) || (!apart && ofOne))
+        if (info.stated.halfWidth <= 0.0 || (apart && ofSpecimen) || (!apart && ofOne && !e.scene))
             continue;
         Scalar s;
         s.name = info.name;

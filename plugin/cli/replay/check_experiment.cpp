@@ -52,7 +52,8 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
         return kBadInput;
     }
     std::printf("%s: valid experiment (%s, %zu specimens, %zu runs, %zu markers)\n", file.c_str(),
-                experiment::name(loaded->protocol), loaded->specimens.size(), loaded->runs.size(),
+                experiment::name(loaded->protocol),
+                loaded->scene ? loaded->scene->specimens.size() : loaded->specimens.size(), loaded->runs.size(),
                 loaded->markers.size());
     const bool free = experiment::isFree(*loaded);
     std::printf("  simulated as %s\n",
@@ -60,12 +61,21 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
                     ? (free ? "bodies on joints that move freely" : "bodies on joints, one moved by the machine")
                     : (free ? "rods that move freely" : "rods that are moved slowly, their vibration damped"));
     for (const experiment::Run& run : loaded->runs)
-        std::printf("  %-16s %zu samples, %g s%s\n", run.file.c_str(), run.readings.time.size(),
-                    run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers");
+        std::printf(
+            "  %-16s %zu samples, %g s%s%s\n", run.file.c_str(), run.readings.time.size(),
+            run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers",
+            run.specimen < 0
+                ? ""
+                : (", specimen " + loaded->scene->specimens[static_cast<std::size_t>(run.specimen)].id).c_str());
     for (const replay::ParameterInfo& p : replay::parameterList(*loaded))
         std::printf("  %-20s %-12.6g +- %-10.3g %-6s %s\n", p.name.c_str(),
                     replay::get(values, *loaded, p.name).value_or(0.0), p.stated.halfWidth, p.unit.c_str(),
                     p.about.c_str());
+    if (loaded->scene)
+        for (const experiment::BatchParameter& b : loaded->scene->batch)
+            if (b.scale > 0.0)
+                std::printf("  batch: %s differs between specimens, by a standard deviation of the order of %g\n",
+                            b.name.c_str(), b.scale);
     return printed() ? kDone : kCannotWrite;
 }
 

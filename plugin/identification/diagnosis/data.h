@@ -41,6 +41,7 @@ struct RecordedRun {
     std::vector<int> segmentOfMarkerRow; ///< index of the segment of each marker row
     std::size_t markerCount = 0;         ///< markers.size() = 2 markerCount markerTime.size()
     bool specimenReversed = false;       ///< its specimens are mounted end for end
+    std::string specimen;                ///< scenes: id of its specimen; empty: all runs have the same
     experiment::NaturalUnits units;      ///< of the set-up
 
     [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
@@ -92,7 +93,7 @@ struct RecordedData {
     std::vector<std::string> markerNames;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
-    /// The first run with the same drive and the same mounting; the run itself if there is none before it.
+    /// The first run with the same drive, mounting and specimen; the run itself if there is none before it.
     [[nodiscard]] std::size_t firstOf(std::size_t run) const;
     /// Number of runs with the same drive, this one included, however specimens are mounted. Their simulations share
     /// one error. 1 in free scenes.

@@ -6,6 +6,7 @@
 #include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/next_experiment/competing_hypotheses.h"
 #include "plugin/identification/diagnosis/result/report_values.h"
+#include "plugin/identification/diagnosis/result/specimens.h"
 #include "plugin/identification/diagnosis/result/verdict.h"
 #include "plugin/identification/diagnosis/screening/local_minima.h"
 #include "plugin/identification/diagnosis/selection/cross_validation.h"
@@ -545,6 +546,10 @@ void Procedure::proposeNextExperiment() {
 
 void Procedure::present() {
     out_.nominal = presentNominal(evaluator_.model(), baseline_);
+    out_.batch = presentBatch(evaluator_.model(), *likelihood_,
+                              out_.improved ? hypotheses_[entries_.front().model].fit : baseline_);
+    for (const std::string& note : specimenNotes(out_.batch))
+        out_.notes.push_back(note);
     std::vector<const FitResult*> shown;
     for (const Entry& entry : entries_) {
         out_.similarityLabels.push_back(entry.label);

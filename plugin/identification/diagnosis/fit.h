@@ -24,7 +24,7 @@ public:
     [[nodiscard]] ParameterPoint at(const Eigen::VectorXd& x) const;
     [[nodiscard]] const Scalar& scalar(Eigen::Index i) const { return scalars_[static_cast<std::size_t>(i)]; }
     Eigen::VectorXd lower, upper; ///< of x
-    /// Penalty of learned laws: x' penalty x is added to chi-squared; zero elsewhere.
+    /// Penalty of learned laws and of deviations of specimens: x' penalty x is added to chi-squared; zero elsewhere.
     Eigen::MatrixXd penalty;
     Eigen::Index nominal = 0; ///< number of nominal parameters
 
@@ -43,7 +43,7 @@ struct FitResult {
     Eigen::VectorXd residual; ///< whitened, of the fine simulation
     Eigen::MatrixXd jacobian; ///< d(whitened simulation)/dx
     std::vector<Response> responses;
-    double chiSquared = 0.0;   ///< |residual|^2 plus the penalty of masked rows
+    double chiSquared = 0.0;   ///< |residual|^2 plus the penalties of masked rows and of deviations of specimens
     double cost = 0.0;         ///< chiSquared plus the penalty of learned laws
     int iterations = 0;        ///< steps that were taken
     bool atBranchEdge = false; ///< held at the edge of its solution branch (baseline fits)

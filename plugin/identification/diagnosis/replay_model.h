@@ -26,7 +26,8 @@ public:
     [[nodiscard]] std::size_t replicateOf(std::size_t run) const override { return replicates_[run]; }
     [[nodiscard]] Response simulate(std::size_t run, const ParameterPoint& point, Fidelity fidelity,
                                     const std::atomic<bool>* interrupt) const override;
-    [[nodiscard]] ParameterPoint simulated(const ParameterPoint& point) const override;
+    [[nodiscard]] std::vector<BatchFactor> batch() const override { return batch_; }
+    [[nodiscard]] ParameterPoint simulated(std::size_t run, const ParameterPoint& point) const override;
     void read(std::size_t run, const ParameterPoint& point, Response& response) const override;
     [[nodiscard]] std::vector<CandidateRun> candidateRuns() const override;
     [[nodiscard]] CandidateRunResponse simulateCandidateRun(std::size_t index, const ParameterPoint& point,
@@ -36,10 +37,12 @@ public:
 private:
     /// Sets the parameters of a point; returns an error text or nothing.
     void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Eigen::VectorXd& force) const;
+    [[nodiscard]] std::string setNominal(replay::Parameters& parameters, std::size_t index, double value) const;
     [[nodiscard]] std::string parametersAt(const ParameterPoint& point, replay::Parameters& parameters) const;
 
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;
+    std::vector<BatchFactor> batch_;
     CandidateEffects candidateEffects_;
     std::vector<std::size_t> replicates_;  ///< see replicateOf()
     double travel_ = 1.0, duration_ = 1.0; ///< m, s, scales of learned readings

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -68,6 +69,19 @@ struct NominalResult {
     std::string name, unit;
     double stated = 0.0, uncertainty = 0.0, fitted = 0.0;
     double standardisedShift = 0.0; ///< (fitted - stated) / half-width
+};
+
+/// A parameter that differs between specimens.
+struct BatchResult {
+    std::string name, unit;
+    std::vector<std::string> merged; ///< parameters whose deviations cannot be told from its own
+    double common = 0.0;             ///< fitted value
+    double scale = 0.0;              ///< stated, of the standard deviation
+    double std = 0.0;                ///< standard deviation between specimens, median
+    Interval ci90{};                 ///< of it
+    bool isPrior = false;            ///< fewer than three specimens: only what was stated
+    double evidence = 0.0;           ///< log Bayes factor over equal specimens
+    std::vector<std::pair<std::string, double>> specimens{}; ///< ids and fitted values
 };
 
 struct FurtherRun {
@@ -142,6 +156,7 @@ struct Diagnosis {
     Interval improvementCi{};
     double baselineChiSquaredPerReading = 0.0; ///< mean squared residual of the baseline
     std::vector<NominalResult> nominal;
+    std::vector<BatchResult> batch; ///< of the best hypothesis
     Homogeneity homogeneity;
     std::optional<NextExperiment> next;
     std::size_t candidateRunsConsidered =

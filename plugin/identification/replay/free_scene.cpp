@@ -213,6 +213,9 @@ ScaleInputs scaleInputs(const Experiment& e) {
         in.values.emplace_back(s.name, s.stated.value);
     if (e.runs.empty())
         return in;
+    if (const int specimen = e.runs.front().specimen; specimen >= 0)
+        for (const experiment::SceneParameter& s : e.scene->specimens[static_cast<std::size_t>(specimen)].parameters)
+            in.values.emplace_back(s.name, s.stated.value);
     for (const experiment::SceneParameter& s : e.runs.front().parameters)
         in.values.emplace_back(s.name, s.stated.value);
     for (const Run& run : e.runs)

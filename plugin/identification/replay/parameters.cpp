@@ -91,14 +91,15 @@ bool ofScene(const Surrounding& s, const Experiment& e) {
                                              e.scene->driven && !experiment::drivesLoad(e));
 }
 
-/// "NAME", or "NAME_run2" of a run.
-std::string nameOf(const SceneValue& v) {
-    return v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
+/// "NAME", "NAME.B" of specimen B, or "NAME_run2" of a run.
+std::string nameOf(const SceneValue& v, const Experiment& e) {
+    return v.specimen >= 0 ? v.name + "." + e.scene->specimens[static_cast<std::size_t>(v.specimen)].id
+                           : v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
 }
 
 Target findInScene(Parameters& p, const Experiment& e, const std::string& name) {
     for (SceneValue& v : p.scene)
-        if (nameOf(v) == name)
+        if (nameOf(v, e) == name)
             return {{&v.value}};
     for (const Surrounding& s : kSurroundings)
         if (name == s.name && ofScene(s, e))
@@ -113,18 +114,36 @@ const char* unitOf(scene::Observation::Quantity quantity) {
     return kUnits[static_cast<std::size_t>(quantity)];
 }
 
+/// Calls `add` with each parameter of a scene, its run or -1, its specimen or -1, and whether it is of the batch.
+template <class Add>
+void forEachOfScene(const Experiment& e, const Add& add) {
+    const experiment::FreeScene& scene = *e.scene;
+    for (const experiment::SceneParameter& s : scene.parameters)
+        add(s, -1, -1, false);
+    for (std::size_t k = 0; k < scene.specimens.size(); ++k) {
+        for (const experiment::SceneParameter& s : scene.specimens[k].parameters)
+            add(s, -1, static_cast<int>(k), false);
+        for (const experiment::BatchParameter& b : scene.batch)
+            for (const experiment::SceneParameter& s : scene.parameters)
+                if (b.scale > 0.0 && s.name == b.name)
+                    add(s, -1, static_cast<int>(k), true);
+    }
+    for (std::size_t r = 0; r < e.runs.size(); ++r)
+        for (const experiment::SceneParameter& s : e.runs[r].parameters)
+            add(s, static_cast<int>(r), -1, false);
+}
+
 /// Names, units and intervals of a scene, in the order of Parameters::scene.
 std::vector<ParameterInfo> sceneList(const Experiment& e) {
     std::vector<ParameterInfo> all;
-    const auto add = [&](const experiment::SceneParameter& s, int run) {
-        all.push_back({nameOf({s.name, run, 0.0}), s.unit.empty() ? "1" : s.unit,
-                       s.about + (run < 0 ? std::string() : ", of run " + std::to_string(run + 1)), s.stated});
-    };
-    for (const experiment::SceneParameter& s : e.scene->parameters)
-        add(s, -1);
-    for (std::size_t r = 0; r < e.runs.size(); ++r)
-        for (const experiment::SceneParameter& s : e.runs[r].parameters)
-            add(s, static_cast<int>(r));
+    forEachOfScene(e, [&](const experiment::SceneParameter& s, int run, int specimen, bool ofBatch) {
+        std::string of = run >= 0        ? ", of run " + std::to_string(run + 1)
+                         : specimen >= 0 ? ", of specimen " + e.scene->specimens[static_cast<std::size_t>(specimen)].id
+                                         : std::string();
+        of += ofBatch ? ": the common value unless it is set" : "";
+        all.push_back({nameOf({s.name, run, 0.0, specimen}, e), s.unit.empty() ? "1" : s.unit, s.about + of,
+                       ofBatch ? exact(s.stated.value) : s.stated, specimen, ofBatch});
+    });
     for (const Surrounding& s : kSurroundings)
         if (ofScene(s, e))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
@@ -153,6 +172,11 @@ Target find(Parameters& p, const Experiment& e, const std::string& name) {
 
 } // namespace
 
+bool holdsIn(const SceneValue& v, const Experiment& e, std::size_t run) {
+    return v.specimen >= 0 ? v.specimen == e.runs[run].specimen && std::isfinite(v.value)
+                           : v.run < 0 || static_cast<std::size_t>(v.run) == run;
+}
+
 Parameters nominal(const Experiment& e) {
     Parameters p;
     for (const Specimen& s : e.specimens)
@@ -160,11 +184,10 @@ Parameters nominal(const Experiment& e) {
             {s.bendingModulus.value, s.naturalCurvature.value, s.thickness.value, s.linearMass.value});
     p.gravity = e.gravity;
     if (e.scene) {
-        for (const experiment::SceneParameter& s : e.scene->parameters)
-            p.scene.push_back({s.name, -1, s.stated.value});
-        for (std::size_t r = 0; r < e.runs.size(); ++r)
-            for (const experiment::SceneParameter& s : e.runs[r].parameters)
-                p.scene.push_back({s.name, static_cast<int>(r), s.stated.value});
+        forEachOfScene(e, [&](const experiment::SceneParameter& s, int run, int specimen, bool ofBatch) {
+            p.scene.push_back(
+                {s.name, run, ofBatch ? std::numeric_limits<double>::quiet_NaN() : s.stated.value, specimen});
+        });
         p.readingZero = e.scene->zero.value;
         return p;
     }
@@ -285,7 +308,11 @@ std::optional<double> get(const Parameters& parameters, const Experiment& experi
     }
     Parameters copy = parameters;
     const Target target = find(copy, experiment, name);
-    return target.values.empty() ? std::nullopt : std::optional<double>(*target.values.front());
+    if (target.values.empty())
+        return std::nullopt;
+    if (experiment.scene && std::isnan(*target.values.front())) // of the batch: the common value
+        return get(parameters, experiment, name.substr(0, name.rfind('.')));
+    return *target.values.front();
 }
 
 } // namespace supercircle::replay

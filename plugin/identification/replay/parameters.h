@@ -17,12 +17,16 @@ struct SpecimenParameters {
     double linearMass = 0.0;       ///< kg/m
 };
 
-/// A parameter of a free scene, common to all runs or the initial state of one.
+/// A parameter of a free scene, common to all runs, of one specimen, or the initial state of one run.
 struct SceneValue {
     std::string name;
-    int run = -1; ///< -1: all
-    double value = 0.0;
+    int run = -1;       ///< -1: all
+    double value = 0.0; ///< of a specimen not a number: the common one
+    int specimen = -1;  ///< -1: all
 };
+
+/// Whether a value holds in a run. Later ones of Parameters::scene replace earlier ones.
+bool holdsIn(const SceneValue& value, const experiment::Experiment& experiment, std::size_t run);
 
 struct Parameters {
     std::vector<SpecimenParameters> specimens; ///< in the order of Experiment::specimens
@@ -49,6 +53,8 @@ struct ParameterInfo {
     std::string unit;
     std::string about;
     experiment::Stated stated; ///< nominal value and half-width of its interval (0: exact)
+    int specimen = -1;         ///< scenes: of one specimen
+    bool ofBatch = false;      ///< deviates from the common value, if it is set (BatchParameter)
 };
 
 /// The nominal parameters of an experiment.
@@ -56,7 +62,8 @@ Parameters nominal(const experiment::Experiment& experiment);
 
 /// All names: shared ones ("friction", "bending_modulus", ...) that set all specimens at once, and with several
 /// specimens one each ("bending_modulus.B"). The stated interval of a shared name is the first specimen's. Free scenes
-/// have the parameters of their description, those of run 2 as "NAME_run2", and "reading_zero".
+/// have the parameters of their description, those of specimen B as "NAME.B", those of run 2 as "NAME_run2", and
+/// "reading_zero".
 std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
 
 /// Sets a parameter by name, "KEY:NAME" for one of an effect, which is added. Returns an error text or nothing: unknown

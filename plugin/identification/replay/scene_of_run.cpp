@@ -8,7 +8,7 @@ std::optional<scene::Scene> sceneOf(const experiment::Experiment& e, std::size_t
                                     std::string& why) {
     std::vector<scene::Override> overrides;
     for (const SceneValue& v : p.scene)
-        if (v.run < 0 || static_cast<std::size_t>(v.run) == run)
+        if (holdsIn(v, e, run))
             overrides.push_back({v.name, v.value});
     std::vector<scene::Problem> problems;
     auto scene = scene::loadText(e.scene->text, e.scene->file, overrides, problems);

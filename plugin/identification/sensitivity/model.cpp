@@ -120,7 +120,7 @@ Model replayModel(const Experiment& e, const replay::Parameters& parameters, con
         model.columns.push_back(columnOf(e, info, replay::get(parameters, e, info.name).value_or(0.0)));
     };
     for (const replay::ParameterInfo& info : all)
-        if (names.empty() && info.name.find('.') == std::string::npos)
+        if (names.empty() && (e.scene ? !info.ofBatch : info.name.find('.') == std::string::npos))
             add(info);
     for (const std::string& name : names) {
         const auto found =

@@ -188,37 +188,58 @@ Json nominalOf(const Diagnosis& d) {
     return out;
 }
 
+/// Parameters that differ between specimens.
+Json batchOf(const Diagnosis& d) {
+    Json out = Json::object();
+    for (const diagnosis::BatchResult& b : d.batch) {
+        Json specimens = Json::object();
+        for (const auto& [id, value] : b.specimens)
+            specimens[id] = finite(value);
+        out[b.name] = {{"common", finite(b.common)},
+                       {"std", finite(b.std)},
+                       {"std_ci90", {finite(b.ci90.low), finite(b.ci90.high)}},
+                       {"std_is_prior", b.isPrior},
+                       {"log_bayes_factor", finite(b.evidence)},
+                       {"unit", b.unit},
+                       {"merged_with", b.merged},
+                       {"specimens", specimens}};
+    }
+    return out;
+}
+
 } // namespace
 
 std::string diagnosisJson(const Diagnosis& d) {
     Json next = nullptr;
     if (d.next)
         next = nextOf(*d.next);
-    const Json json = {{"schema", "supercircle-diagnosis/2"},
-                       {"verdict", d.verdict},
-                       {"statement", d.statement},
-                       {"probability_adequate", d.adequate},
-                       {"probability_undetectable", d.undetectable()},
-                       {"probability_outside_catalogue", d.outsideCatalogue},
-                       {"misfit_p_value", d.misfit.p},
-                       {"notes", d.notes},
-                       {"noise", noiseOf(d)},
-                       {"misfit_intervals", windowsOf(d.misfit)},
-                       {"effects", effectsOf(d)},
-                       {"screening", screeningOf(d)},
-                       {"residual_after_best", windowsOf(d.residualAfterBest)},
-                       {"learned_laws", learnedOf(d)},
-                       {"fit", fitOf(d)},
-                       {"nominal", nominalOf(d)},
-                       {"homogeneity",
-                        {{"shift", d.homogeneity.shift()},
-                         {"p_value", d.homogeneity.p},
-                         {"chi2", d.homogeneity.q},
-                         {"degrees_of_freedom", d.homogeneity.degrees}}},
-                       {"next_experiment", next},
-                       {"seed", d.seed},
-                       {"forward_runs", d.forwardRuns},
-                       {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
+    Json json = {{"schema", "supercircle-diagnosis/2"},
+                 {"verdict", d.verdict},
+                 {"statement", d.statement},
+                 {"probability_adequate", d.adequate},
+                 {"probability_undetectable", d.undetectable()},
+                 {"probability_outside_catalogue", d.outsideCatalogue},
+                 {"misfit_p_value", d.misfit.p},
+                 {"notes", d.notes},
+                 {"noise", noiseOf(d)},
+                 {"misfit_intervals", windowsOf(d.misfit)},
+                 {"effects", effectsOf(d)},
+                 {"screening", screeningOf(d)},
+                 {"residual_after_best", windowsOf(d.residualAfterBest)},
+                 {"learned_laws", learnedOf(d)},
+                 {"fit", fitOf(d)},
+                 {"nominal", nominalOf(d)},
+                 {"homogeneity",
+                  {{"shift", d.homogeneity.shift()},
+                   {"p_value", d.homogeneity.p},
+                   {"chi2", d.homogeneity.q},
+                   {"degrees_of_freedom", d.homogeneity.degrees}}},
+                 {"next_experiment", next},
+                 {"seed", d.seed},
+                 {"forward_runs", d.forwardRuns},
+                 {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
+    if (!d.batch.empty())
+        json["batch"] = batchOf(d);
     return record::jsonText(json) + "\n";
 }
 

@@ -98,6 +98,19 @@ struct SceneParameter {
     std::string unit{}, about{}; ///< as the scene has them
 };
 
+/// A specimen of an experiment with a scene: values of its own replace those of `scene_parameters`.
+struct SceneSpecimen {
+    std::string id;
+    std::vector<SceneParameter> parameters;
+};
+
+/// A scene parameter that differs between specimens: theta_s = theta + tau z_s with standard normal z_s and a
+/// half-normal tau (docs/theory/diagnosis.md).
+struct BatchParameter {
+    std::string name;
+    double scale = 0.0; ///< of tau, in the unit of the parameter; 0: the specimens share one value
+};
+
 /// The channel by which runs are compared, as named in files and messages.
 struct Channel {
     std::string name;     ///< "force", or what is observed
@@ -112,6 +125,8 @@ struct FreeScene {
     std::string file;                       ///< scene file or shipped scene, as named in the description
     std::string text;                       ///< its content; empty if only the description was loaded
     std::vector<SceneParameter> parameters; ///< common to all runs
+    std::vector<SceneSpecimen> specimens;   ///< empty: all runs have the same
+    std::vector<BatchParameter> batch;      ///< parameters of `parameters`
     std::string observe;                    ///< name of the observation in the scene; empty: `observation` is described
     scene::Observation observation;
     Channel channel;
@@ -161,6 +176,7 @@ struct Run {
     std::string markersFile;                ///< empty: not tracked
     double markersSamplingRate = 0.0;       ///< Hz
     std::vector<SceneParameter> parameters; ///< parameters of this run of a free scene: its release state
+    int specimen = -1;                      ///< index into FreeScene::specimens; -1: none is named
     Readings readings;                      ///< empty if only the description was loaded
     MarkerTracks markers;                   ///< empty: not tracked
 };

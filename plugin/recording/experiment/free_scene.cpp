@@ -1,5 +1,6 @@
 #include "plugin/recording/experiment/free_scene.h"
 
+#include "plugin/recording/experiment/scene_specimens.h"
 #include "plugin/scene/loader/loader.h"
 #include "plugin/scene/loader/shipped.h"
 #include "supercircle/support/names.h"
@@ -23,7 +24,10 @@ const Channel kY{"y", "mm", "y_mm", 1e3, 1.0};
 Result<scene::Scene> nominalScene(const Experiment& e, const Run& run, const std::string& path,
                                   std::vector<scene::Problem>& problems) {
     std::vector<scene::Override> overrides;
-    for (const auto* list : {&e.scene->parameters, &run.parameters})
+    std::vector<const std::vector<SceneParameter>*> lists = {&e.scene->parameters, &run.parameters};
+    if (run.specimen >= 0)
+        lists.insert(lists.begin() + 1, &e.scene->specimens[static_cast<std::size_t>(run.specimen)].parameters);
+    for (const auto* list : lists)
         for (const SceneParameter& p : *list)
             overrides.push_back({p.name, p.stated.value});
     return scene::loadText(e.scene->text, path, overrides, problems);
@@ -225,6 +229,7 @@ FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
     s.file = top.text("scene");
     s.parameters = readSceneParameters(context, top, "scene_parameters");
     readSceneDrive(context, top, s);
+    readSpecimensOf(s, context, top);
     const auto channels = top.array("channels", true);
     if (channels.size() > 1)
         top.error("channels", "only one channel can be compared", "the one that tells most");
@@ -338,6 +343,8 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
             judgeScene(e, *scene, path, found);
             takeWords(*scene, e.scene->parameters);
             takeWords(*scene, run.parameters);
+            for (SceneSpecimen& s : e.scene->specimens)
+                takeWords(*scene, s.parameters);
         }
         std::erase_if(found, [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Note; });
         if (scene && found.empty() && &run == &e.runs.front())

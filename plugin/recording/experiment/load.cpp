@@ -2,6 +2,7 @@
 
 #include "plugin/recording/experiment/free_scene.h"
 #include "plugin/recording/experiment/recording_quality.h"
+#include "plugin/recording/experiment/scene_specimens.h"
 #include "plugin/recording/experiment/values.h"
 #include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
@@ -173,7 +174,9 @@ void readIgnored(Context& context, Object& object, Run& run) {
     }
 }
 
-Run readRun(Context& context, const ArrayItem& place, Protocol protocol, bool free) {
+Run readRun(Context& context, const ArrayItem& place, const Experiment& e) {
+    const Protocol protocol = e.protocol;
+    const bool free = e.scene.has_value();
     Object object(context, place);
     Run run;
     if (!object.valid())
@@ -184,6 +187,7 @@ Run readRun(Context& context, const ArrayItem& place, Protocol protocol, bool fr
     if (free)
         run.parameters = readSceneParameters(context, object, "parameters");
     if (protocol == Protocol::Scene) {
+        run.specimen = readSpecimenOfRun(object, run, *e.scene);
         run.start = object.number("start_s", 0.0, scene::anyNumber);
         run.samplingRate = object.number("sampling_hz", 0.0, positive);
     } else {
@@ -390,9 +394,11 @@ void readTop(Context& context, Experiment& e) {
     }
     e.initialGapHalfWidth = top.number("initial_gap_unc_m", 0.0, notNegative);
     for (const ArrayItem& place : top.array("runs", true))
-        e.runs.push_back(readRun(context, place, e.protocol, free));
+        e.runs.push_back(readRun(context, place, e));
     if (const std::optional<Node> node = top.find("sensors"))
         e.sensors = readSensors(context, *node, top.pointerTo("sensors"), e);
+    if (free)
+        noteUnusedSpecimens(e, top);
     e.markers = readMarkers(context, top, e.specimens, free);
     top.finish();
     if (!scene::anyError(context.problems))

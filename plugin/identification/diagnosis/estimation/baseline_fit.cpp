@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/estimation/baseline_fit.h"
 
 #include "plugin/identification/diagnosis/box_qp.h"
+#include "plugin/identification/diagnosis/estimation/scatter.h"
 #include "plugin/identification/diagnosis/model/random.h"
 
 #include <algorithm>
@@ -109,6 +110,8 @@ public:
             restartAcrossBounds();
         if (!out_.failure.empty() || evaluator_.stopped())
             return std::move(out_);
+        if (!evaluator_.model().batch().empty())
+            settleScatter(evaluator_, *out_.likelihood, out_.fit);
         differentiateAll(evaluator_, *out_.likelihood, out_.fit);
         return std::move(out_);
     }

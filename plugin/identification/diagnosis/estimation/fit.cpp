@@ -22,6 +22,12 @@ Variables::Variables(const Model& model, const ParameterPoint& like) : scalars_(
         upper[i] = (scalar(i).upper - scalar(i).value) / scalar(i).step;
     }
     penalty = Eigen::MatrixXd::Zero(size(), size());
+    for (Eigen::Index i = 0; i < nominal; ++i)
+        if (scalar(i).batch >= 0) {
+            const auto factor = static_cast<std::size_t>(scalar(i).batch);
+            const double scatter = factor < like.scatter.size() ? like.scatter[factor] : 1.0;
+            penalty(i, i) = 1.0 / (scatter * scatter);
+        }
     Eigen::Index first = nominal;
     for (const Term& t : like.terms) {
         const auto n = static_cast<Eigen::Index>(t.values.size());
@@ -266,8 +272,10 @@ bool evaluate(Evaluator& evaluator, const Likelihood& likelihood, const Variable
     if (!residual)
         return false;
     f.residual = *residual;
-    f.chiSquared = f.residual.squaredNorm() + likelihood.maskPenalty(f.responses).sum();
-    f.cost = f.chiSquared + f.x.dot(v.penalty * f.x);
+    const Eigen::Index n = v.nominal;
+    const double deviations = f.x.head(n).dot(v.penalty.topLeftCorner(n, n) * f.x.head(n));
+    f.chiSquared = f.residual.squaredNorm() + likelihood.maskPenalty(f.responses).sum() + deviations;
+    f.cost = f.chiSquared + f.x.dot(v.penalty * f.x) - deviations;
     return true;
 }
 
@@ -440,7 +448,7 @@ Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& j
     Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, dispersion);
     for (Eigen::Index k = 0; k < v.size(); ++k) {
         const double width = std::min(v.upper[k] - v.lower[k], 1e3);
-        precision(k, k) += 12.0 / (width * width);
+        precision(k, k) += 12.0 / (width * width) + (k < v.nominal ? v.penalty(k, k) : 0.0);
     }
     return dense::inverseLdlt(precision);
 }

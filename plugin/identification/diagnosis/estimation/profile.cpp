@@ -195,7 +195,7 @@ private:
         lower[index_] = upper[index_] = best_.x[index_] + distance - f.x[index_];
         Eigen::MatrixXd G = f.jacobian.transpose() * f.jacobian;
         G.diagonal() *= 1.0 + 1e-7; // insensitive parameters stay
-        return solveBoxQp(G, f.jacobian.transpose() * f.residual, lower, upper);
+        return solveBoxQp(G + v_.penalty, f.jacobian.transpose() * f.residual - v_.penalty * f.x, lower, upper);
     }
 
     /// Step that keeps the product of two factors constant at a distance. Empty: there is no product, or the bounds

@@ -38,7 +38,7 @@ void Evaluator::checkCache(const ParameterPoint& point, Fidelity fidelity) {
     forEach(runs_, [&](std::size_t r) {
         if (model_.replicateOf(r) != r)
             return;
-        const SimulationRequest request{r, model_.simulated(point), fidelity};
+        const SimulationRequest request{r, model_.simulated(r, point), fidelity};
         const auto known = cache_.find(keyOf(request));
         if (!known || stopped())
             return;
@@ -58,8 +58,8 @@ std::vector<Response> Evaluator::simulate(const std::vector<SimulationRequest>& 
     std::vector<std::size_t> open;
     std::vector<Response> results(requests.size());
     for (std::size_t i = 0; i < requests.size(); ++i) {
-        internal.push_back(
-            {model_.replicateOf(requests[i].run), model_.simulated(requests[i].point), requests[i].fidelity});
+        internal.push_back({model_.replicateOf(requests[i].run), model_.simulated(requests[i].run, requests[i].point),
+                            requests[i].fidelity});
         keys.push_back(keyOf(internal[i]));
         distinctRequests_.insert(keys.back());
         if (auto known = cache_.find(keys[i]))

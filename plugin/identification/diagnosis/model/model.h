@@ -34,6 +34,20 @@ struct Scalar {
     Scale scale = Scale::Linear;
     bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
     bool position = false;  ///< a position on the arc: 0 first end, 1 last end
+    int specimen = -1;      ///< it acts only in runs of this specimen; -1: in all
+    /// Index into Model::batch(): it is the deviation of its specimen, and `step` the scale of the scatter. -1: it is
+    /// none.
+    int batch = -1;
+};
+
+/// A parameter that differs between specimens. Their deviations from a common value are normal with a standard
+/// deviation tau, whose prior is half-normal.
+struct BatchFactor {
+    std::string name, unit;
+    /// Parameters whose deviations change all readings alike; theirs are contained in its own.
+    std::vector<std::string> merged{};
+    double stated = 0.0; ///< common value
+    double scale = 0.0;  ///< of tau's prior, in the unit of the parameter
 };
 
 /// Meaning of the coefficients of a learned law.
@@ -84,6 +98,9 @@ struct Term {
 struct ParameterPoint {
     std::vector<double> nominal;
     std::vector<Term> terms;
+    /// Standard deviation between specimens of each factor of Model::batch(), in its scale; empty: 1. It weighs the
+    /// penalty of deviations and changes no simulation.
+    std::vector<double> scatter{};
 };
 
 /// Coarse: derivatives and searches. Fine: residuals. Finer: discretisation error of the fine one.
@@ -128,13 +145,19 @@ public:
     virtual ~Model() = default;
     [[nodiscard]] virtual const std::vector<Scalar>& nominal() const = 0;
     [[nodiscard]] virtual const std::vector<CandidateEffect>& candidates() const = 0;
+    /// Parameters that differ between specimens; their deviations are scalars of nominal().
+    [[nodiscard]] virtual std::vector<BatchFactor> batch() const { return {}; }
     /// The first run with the same simulation: same drive, mounting and reading times.
     [[nodiscard]] virtual std::size_t replicateOf(std::size_t run) const { return run; }
     /// Deterministic; called from several threads at a time.
     [[nodiscard]] virtual Response simulate(std::size_t run, const ParameterPoint& point, Fidelity fidelity,
                                             const std::atomic<bool>* interrupt) const = 0;
-    /// The point without effects on readings, which need no simulation; read() applies them.
-    [[nodiscard]] virtual ParameterPoint simulated(const ParameterPoint& point) const { return point; }
+    /// The point without what does not change this run: effects on readings, which need no simulation (read() applies
+    /// them), and parameters of other specimens.
+    [[nodiscard]] virtual ParameterPoint simulated(std::size_t run, const ParameterPoint& point) const {
+        (void)run;
+        return point;
+    }
     virtual void read(std::size_t, const ParameterPoint&, Response&) const {}
     /// Further runs that might discriminate competing hypotheses; none by default.
     [[nodiscard]] virtual std::vector<CandidateRun> candidateRuns() const { return {}; }

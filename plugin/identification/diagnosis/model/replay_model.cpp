@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/replay_model.h"
 
+#include "plugin/identification/diagnosis/model/batch_factors.h"
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/simulation_cache.h"
 #include "plugin/identification/replay/compare.h"
@@ -61,7 +62,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         const bool ofSpecimen = info.name == "bending_modulus" || info.name == "natural_curvature" ||
                                 info.name == "thickness" || info.name == "linear_mass";
         const bool ofOne = info.name.find('.') != std::string::npos;
-        if (info.stated.halfWidth <= 0.0 || (apart && ofSpecimen) || (!apart && ofOne))
+        if (info.stated.halfWidth <= 0.0 || (apart && ofSpecimen) || (!apart && ofOne && !e.scene))
             continue;
         Scalar s;
         s.name = info.name;
@@ -73,6 +74,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         if (s.name == "friction")
             s.lower = std::max(0.0, s.lower);
         s.step = info.stated.halfWidth;
+        s.specimen = info.specimen;
         all.push_back(s);
     }
     if (!e.scene || (replay::get(replay::nominal(e), e, "series_compliance") && replay::comparesForce(e)))
@@ -171,10 +173,17 @@ ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std:
     const ExperimentScales s = scalesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;
+    batch_ = batchFactorsOf(e, interrupt);
+    for (std::size_t k = 0; k < batch_.size(); ++k)
+        for (const Scalar& deviation : deviationsOf(e, batch_[k], static_cast<int>(k)))
+            nominal_.push_back(deviation);
 }
 
-ParameterPoint ReplayModel::simulated(const ParameterPoint& point) const {
+ParameterPoint ReplayModel::simulated(std::size_t run, const ParameterPoint& point) const {
     ParameterPoint out = point;
+    for (std::size_t i = 0; i < nominal_.size() && i < out.nominal.size(); ++i)
+        if (nominal_[i].specimen >= 0 && nominal_[i].specimen != experiment_.runs[run].specimen)
+            out.nominal[i] = nominal_[i].value;
     out.terms.clear();
     for (const Term& t : point.terms)
         if (candidateEffects_.mappings[t.candidate].readingEffect == ReadingEffect::None)
@@ -243,10 +252,20 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
     });
 }
 
+std::string ReplayModel::setNominal(replay::Parameters& p, std::size_t index, double value) const {
+    const Scalar& s = nominal_[index];
+    if (s.batch < 0)
+        return replay::set(p, experiment_, s.name, value);
+    if (value == 0.0) // then it follows the common value
+        return {};
+    const std::string& common = batch_[static_cast<std::size_t>(s.batch)].name; // set before its deviations
+    return replay::set(p, experiment_, s.name, replay::get(p, experiment_, common).value_or(0.0) + value);
+}
+
 std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Parameters& p) const {
     p = replay::nominal(experiment_);
     for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
-        if (std::string why = replay::set(p, experiment_, nominal_[i].name, point.nominal[i]); !why.empty())
+        if (std::string why = setNominal(p, i, point.nominal[i]); !why.empty())
             return why;
     for (const Term& t : point.terms) {
         const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];

@@ -142,7 +142,8 @@ bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
 std::size_t RecordedData::firstOf(std::size_t run) const {
     std::size_t first = free ? run : 0; // free runs have no drive to compare
     while (first < run &&
-           (!sameDrive(runs[first], runs[run]) || runs[first].specimenReversed != runs[run].specimenReversed))
+           (!sameDrive(runs[first], runs[run]) || runs[first].specimenReversed != runs[run].specimenReversed ||
+            runs[first].specimen != runs[run].specimen))
         ++first;
     return first;
 }
@@ -197,6 +198,8 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     for (const experiment::Run& run : e.runs) {
         data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit, data.units));
         data.runs.back().name = names[data.runs.size() - 1];
+        if (run.specimen >= 0)
+            data.runs.back().specimen = e.scene->specimens[static_cast<std::size_t>(run.specimen)].id;
     }
     return data;
 }

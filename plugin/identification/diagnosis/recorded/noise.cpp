@@ -52,8 +52,9 @@ double markerNoiseOf(const RecordedData& data) {
 
 /// Whether their readings can be subtracted row by row.
 bool repeats(const RecordedRun& a, const RecordedRun& b) {
-    return sameDrive(a, b) && a.specimenReversed == b.specimenReversed && a.time.size() == b.time.size() &&
-           a.time.size() >= 20 && (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3 * a.units.time;
+    return sameDrive(a, b) && a.specimenReversed == b.specimenReversed && a.specimen == b.specimen &&
+           a.time.size() == b.time.size() && a.time.size() >= 20 &&
+           (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3 * a.units.time;
 }
 
 /// Half the mean squared difference of two runs about its median, without outliers beyond three sigma (snaps one row

@@ -68,6 +68,8 @@ std::vector<NominalResult> presentNominal(const Model& model, const FitResult& n
     const Variables v(model, nominal.point);
     for (Index i = 0; i < v.nominal; ++i) {
         const Scalar& s = v.scalar(i);
+        if (s.batch >= 0)
+            continue;
         out.push_back(
             {s.name, s.unit, s.value, s.step, nominal.point.nominal[static_cast<std::size_t>(i)], nominal.x[i]});
     }

@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/result/verdict.h"
 
 #include "plugin/identification/diagnosis/next_experiment.h"
+#include "plugin/identification/diagnosis/result/specimens.h"
 #include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/recording/table/rounded.h"
 #include "supercircle/support/elementary.h"
@@ -245,7 +246,7 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
 } // namespace
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
-    const std::string text = verdictSentence(d, e);
+    const std::string text = verdictSentence(d, e) + specimensSentence(d.batch);
     if (d.noise.disturbance <= 0.0)
         return text;
     return text +

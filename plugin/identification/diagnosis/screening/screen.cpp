@@ -38,8 +38,8 @@ std::vector<double> scaledValues(const CandidateEffect& c, const std::vector<dou
 void explain(const FitResult& fitted, const Variables& v, const CandidateEffect& candidate, ScreenedProbe& out) {
     const Eigen::VectorXd& s = out.signature;
     const Eigen::Index n = v.size();
-    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian;
-    const Eigen::VectorXd g = fitted.jacobian.transpose() * fitted.residual;
+    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian + v.penalty;
+    const Eigen::VectorXd g = fitted.jacobian.transpose() * fitted.residual - v.penalty * fitted.x;
     Eigen::MatrixXd all(n + 1, n + 1);
     all.topLeftCorner(n, n) = G;
     all.topRightCorner(n, 1) = fitted.jacobian.transpose() * s;
@@ -71,9 +71,9 @@ std::vector<double> geometricBetween(double from, double to, int count) {
 
 /// Decrease of |residual|^2 by a change of the simulation, with the fitted parameters adjusted.
 double gainOf(const FitResult& fitted, const Variables& v, const Eigen::VectorXd& change) {
-    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian;
+    const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian + v.penalty;
     const auto least = [&](const Eigen::VectorXd& u) {
-        const Eigen::VectorXd g = fitted.jacobian.transpose() * u;
+        const Eigen::VectorXd g = fitted.jacobian.transpose() * u - v.penalty * fitted.x;
         const Eigen::VectorXd d = solveBoxQp(G, g, v.lower - fitted.x, v.upper - fitted.x);
         return u.squaredNorm() + d.dot(G * d) - 2.0 * g.dot(d);
     };

@@ -79,10 +79,20 @@ void splitByTime(Grouping& g, const Likelihood& likelihood, int mustBeat) {
     g.folds = g.blocks = mustBeat;
 }
 
-/// Folds of runs: repeats are left out together, as long as two folds remain.
+/// Folds of runs: all runs of a specimen, or repeats, are left out together, as long as two folds remain.
 std::vector<int> foldsOf(const RecordedData& data) {
     std::vector<int> fold;
     int folds = 0;
+    for (const RecordedRun& run : data.runs) {
+        const auto same = std::find_if(data.runs.begin(), data.runs.end(),
+                                       [&](const RecordedRun& other) { return other.specimen == run.specimen; });
+        const auto first = static_cast<std::size_t>(same - data.runs.begin());
+        fold.push_back(first < fold.size() ? fold[first] : folds++);
+    }
+    if (folds >= 2)
+        return fold;
+    fold.clear();
+    folds = 0;
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const std::size_t first = data.firstOf(r);
         fold.push_back(first < r ? fold[first] : folds++);
@@ -92,8 +102,11 @@ std::vector<int> foldsOf(const RecordedData& data) {
     return fold;
 }
 
-/// "run_1.csv", "run_4.csv and 2 repeats".
+/// "run_1.csv", "run_4.csv and 2 repeats", "specimen s1".
 std::string nameOf(const RecordedData& data, const std::vector<int>& folds, int fold) {
+    const auto first = static_cast<std::size_t>(std::find(folds.begin(), folds.end(), fold) - folds.begin());
+    if (!data.runs[first].specimen.empty() && data.runs.front().specimen != data.runs.back().specimen)
+        return "specimen " + data.runs[first].specimen;
     std::string name;
     std::size_t repeats = 0;
     for (std::size_t r = 0; r < folds.size(); ++r)
@@ -224,11 +237,12 @@ void markIdentifiedOnly(const Variables& v, const Eigen::VectorXd& known, const 
             only[static_cast<std::size_t>(k)] = fold;
 }
 
-/// The effect's parameter that moved most, in prior sigma.
+/// The effect's parameter, or the deviation of a specimen, that moved most, in prior sigma.
 Index mostMoved(const Variables& v, const Eigen::VectorXd& step, const Eigen::MatrixXd& prior) {
     Index most = v.nominal;
-    for (Index k = v.nominal; k < v.size(); ++k)
-        if (std::abs(step[k]) * std::sqrt(prior(k, k)) > std::abs(step[most]) * std::sqrt(prior(most, most)))
+    for (Index k = 0; k < v.size(); ++k)
+        if ((k >= v.nominal || v.scalar(k).batch >= 0) &&
+            std::abs(step[k]) * std::sqrt(prior(k, k)) > std::abs(step[most]) * std::sqrt(prior(most, most)))
             most = k;
     return most;
 }

@@ -303,7 +303,7 @@ TEST_CASE("effects on readings match the sensor model", "[diagnosis]") {
             continue;
         INFO(candidate.label << " " << candidate.variant);
         const diagnosis::ParameterPoint with{stated, {{c, candidate.probes.front()}}};
-        CHECK(model.simulated(with).terms.empty());
+        CHECK(model.simulated(0, with).terms.empty());
         Response quick = plain;
         model.read(0, with, quick);
         const Response full = model.simulate(0, with, Fidelity::Coarse, nullptr);

@@ -1,12 +1,11 @@
 #include "plugin/recording/import/reading/encoding.h"
 
+#include "plugin/recording/table/shift_jis.h"
 #include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdint>
-#include <iconv.h>
 
 namespace supercircle::importing {
 
@@ -93,30 +92,6 @@ double japanese(std::string_view bytes, std::size_t& i) {
     return half(next) || (i > 0 && half(byteAt(bytes, i - 1))) ? 0.1 : 0.7;
 }
 
-std::string fromShiftJis(std::string_view bytes) {
-    iconv_t converter = iconv_open("UTF-8", "CP932");
-    if (converter == reinterpret_cast<iconv_t>(-1)) // NOLINT: as POSIX defines it
-        converter = iconv_open("UTF-8", "SHIFT_JIS");
-    if (converter == reinterpret_cast<iconv_t>(-1)) // NOLINT
-        return {};
-    std::string in(bytes), out(3 * bytes.size() + 16, '\0');
-    char *from = in.data(), *to = out.data();
-    std::size_t left = in.size(), room = out.size();
-    while (left > 0 && iconv(converter, &from, &left, &to, &room) == static_cast<std::size_t>(-1)) {
-        if (errno == E2BIG || room < 3)
-            break;
-        std::string bad;
-        appendUtf8(bad, 0xFFFD);
-        to = std::copy(bad.begin(), bad.end(), to);
-        room -= bad.size();
-        ++from; // a byte that is no character
-        --left;
-    }
-    iconv_close(converter);
-    out.resize(out.size() - room);
-    return out;
-}
-
 } // namespace
 
 const char* name(Encoding encoding) {
@@ -164,7 +139,7 @@ EncodingGuess guessEncoding(std::string_view bytes) {
 
 std::string toUtf8(std::string_view bytes, Encoding encoding) {
     if (encoding == Encoding::ShiftJis)
-        return fromShiftJis(bytes);
+        return record::fromShiftJis(bytes);
     std::string out;
     out.reserve(bytes.size() + bytes.size() / 8);
     for (const char b : bytes) {

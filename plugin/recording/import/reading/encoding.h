@@ -26,7 +26,7 @@ struct EncodingGuess {
 /// frequent ones. Without evidence it is Windows-1252, which contains Latin-1, ten times as probable as the others.
 EncodingGuess guessEncoding(std::string_view bytes);
 
-/// UTF-8; U+FFFD for bytes that are no character. Shift-JIS is converted by iconv.
+/// UTF-8; U+FFFD for bytes that are no character.
 /// @return the text; empty for a text that is not, if this system cannot convert
 std::string toUtf8(std::string_view bytes, Encoding encoding);
 

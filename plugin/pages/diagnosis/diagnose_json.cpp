@@ -69,7 +69,7 @@ Json visibleIntervalsOf(const Diagnosis& d) {
 Json effectsOf(const Diagnosis& d) {
     const std::string unit = "_" + d.unit;
     Json all = Json::array();
-    for (const FittedEffect& e : d.effects)
+    for (const FittedEffect& e : d.effects) {
         all.push_back({{"label", e.label},
                        {"probability", e.probability},
                        {"confounded_with", e.confoundedWith},
@@ -85,6 +85,11 @@ Json effectsOf(const Diagnosis& d) {
                        {"heldout_rmse" + unit, e.heldOutRmse},
                        {"chi2_per_reading", e.chiSquaredPerReading},
                        {"visible_intervals", &e == &d.effects.front() ? visibleIntervalsOf(d) : Json::array()}});
+        if (e.starts > 0) {
+            all.back()["starts"] = e.starts;
+            all.back()["starts_agreed"] = e.startsAgreed;
+        }
+    }
     return all;
 }
 
@@ -177,6 +182,20 @@ Json fitOf(const Diagnosis& d) {
             {"baseline_chi2_per_reading", finite(d.baselineChiSquaredPerReading)}};
 }
 
+/// Forecasts of free runs from their beginnings.
+Json forecastOf(const Diagnosis& d) {
+    Json runs = Json::array();
+    for (const diagnosis::RunForecast& run : d.forecast.runs)
+        runs.push_back({{"run", run.run},
+                        {"squares_per_reading", finite(run.squares)},
+                        {"at_least", finite(run.atLeast)},
+                        {"holds", run.holds}});
+    return {{"runs", runs},
+            {"forecasts", d.forecast.of},
+            {"substituted", d.forecast.substituted},
+            {"nonlinear", d.forecast.nonlinear}};
+}
+
 Json nominalOf(const Diagnosis& d) {
     Json out = Json::object();
     for (const diagnosis::NominalResult& n : d.nominal)
@@ -194,31 +213,33 @@ std::string diagnosisJson(const Diagnosis& d) {
     Json next = nullptr;
     if (d.next)
         next = nextOf(*d.next);
-    const Json json = {{"schema", "supercircle-diagnosis/2"},
-                       {"verdict", d.verdict},
-                       {"statement", d.statement},
-                       {"probability_adequate", d.adequate},
-                       {"probability_undetectable", d.undetectable()},
-                       {"probability_outside_catalogue", d.outsideCatalogue},
-                       {"misfit_p_value", d.misfit.p},
-                       {"notes", d.notes},
-                       {"noise", noiseOf(d)},
-                       {"misfit_intervals", windowsOf(d.misfit)},
-                       {"effects", effectsOf(d)},
-                       {"screening", screeningOf(d)},
-                       {"residual_after_best", windowsOf(d.residualAfterBest)},
-                       {"learned_laws", learnedOf(d)},
-                       {"fit", fitOf(d)},
-                       {"nominal", nominalOf(d)},
-                       {"homogeneity",
-                        {{"shift", d.homogeneity.shift()},
-                         {"p_value", d.homogeneity.p},
-                         {"chi2", d.homogeneity.q},
-                         {"degrees_of_freedom", d.homogeneity.degrees}}},
-                       {"next_experiment", next},
-                       {"seed", d.seed},
-                       {"forward_runs", d.forwardRuns},
-                       {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
+    Json json = {{"schema", "supercircle-diagnosis/2"},
+                 {"verdict", d.verdict},
+                 {"statement", d.statement},
+                 {"probability_adequate", d.adequate},
+                 {"probability_undetectable", d.undetectable()},
+                 {"probability_outside_catalogue", d.outsideCatalogue},
+                 {"misfit_p_value", d.misfit.p},
+                 {"notes", d.notes},
+                 {"noise", noiseOf(d)},
+                 {"misfit_intervals", windowsOf(d.misfit)},
+                 {"effects", effectsOf(d)},
+                 {"screening", screeningOf(d)},
+                 {"residual_after_best", windowsOf(d.residualAfterBest)},
+                 {"learned_laws", learnedOf(d)},
+                 {"fit", fitOf(d)},
+                 {"nominal", nominalOf(d)},
+                 {"homogeneity",
+                  {{"shift", d.homogeneity.shift()},
+                   {"p_value", d.homogeneity.p},
+                   {"chi2", d.homogeneity.q},
+                   {"degrees_of_freedom", d.homogeneity.degrees}}},
+                 {"next_experiment", next},
+                 {"seed", d.seed},
+                 {"forward_runs", d.forwardRuns},
+                 {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
+    if (!d.forecast.runs.empty())
+        json["forecast"] = forecastOf(d);
     return record::jsonText(json) + "\n";
 }
 

@@ -176,13 +176,15 @@ std::string verdictOf(const Evidence& e) {
     if (!(e.adequate >= 0.0 && e.outsideCatalogue >= 0.0)) // numerical failure
         return "outside_catalogue";
     if (e.adequate >= 0.5)
-        return e.undetectable > 0.5 || e.adequate < kSuggestive || e.p <= kFamilyWise ? "inconclusive" : "adequate";
+        return e.undetectable > 0.5 || e.adequate < kSuggestive || e.p <= kFamilyWise || !e.forecastHolds
+                   ? "inconclusive"
+                   : "adequate";
     if (e.p > kFamilyWise) // the misfit is not significant
         return "inconclusive";
     if (e.outsideCatalogue >= 0.5 || !e.any)
         return "outside_catalogue";
     const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
-    return e.groupProbability >= 0.9 && gains ? "identified" : "ambiguous";
+    return e.groupProbability >= 0.9 && gains && e.forecastHolds ? "identified" : "ambiguous";
 }
 
 namespace {
@@ -200,6 +202,17 @@ std::string amplitudesBeyondRange(const Diagnosis& d) {
                         (p.unit == "1" ? "" : " " + p.unit);
     }
     return text.empty() ? text : ", but only with an implausibly large amplitude (" + text + ")";
+}
+
+/// Runs whose rest the law does not forecast from their beginning.
+std::string forecastSentence(const Diagnosis& d) {
+    std::string text;
+    for (const RunForecast& run : d.forecast.runs)
+        if (!run.holds)
+            text += (text.empty() ? " The forecast does not hold for " : ", ") + run.run + " (squared error " +
+                    rounded(run.squares, 3) + " a reading, at least " + rounded(run.atLeast, 3) +
+                    "; a forecast that holds leaves 1)";
+    return text.empty() ? text : text + ".";
 }
 
 std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
@@ -224,6 +237,11 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
                "the probability that no detectable effect is missing is " + rounded(e.adequate, 3) + "." +
                nextSentence(d);
     }
+    if (d.verdict == "inconclusive" && !e.forecastHolds)
+        return "The simulation agrees with the runs to within noise, but a fit to their beginning does not forecast "
+               "the "
+               "rest: these runs do not decide." +
+               nextSentence(d);
     if (d.verdict == "inconclusive")
         return "The simulation agrees with the runs, but most effects of the catalogue could act at a relevant "
                "amplitude "
@@ -245,7 +263,7 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
 } // namespace
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
-    const std::string text = verdictSentence(d, e);
+    const std::string text = verdictSentence(d, e) + forecastSentence(d);
     if (d.noise.disturbance <= 0.0)
         return text;
     return text +

@@ -10,6 +10,7 @@
 #include "plugin/identification/diagnosis/result/verdict.h"
 #include "plugin/identification/diagnosis/screening/local_minima.h"
 #include "plugin/identification/diagnosis/selection/cross_validation.h"
+#include "plugin/identification/diagnosis/selection/forward_validation.h"
 #include "plugin/identification/diagnosis/selection/hypothesis_search.h"
 #include "plugin/identification/diagnosis/selection/model_weights.h"
 #include "plugin/identification/diagnosis/selection/ranking.h"
@@ -152,6 +153,8 @@ private:
     void computeWeights(ModelWeights& w);
     /// The residual of a hypothesis, localised as the baseline residual is.
     const Localisation& residualOf(std::size_t model);
+    [[nodiscard]] std::vector<RunForecast> forecastsOfRuns(const PredictiveScore& score) const;
+    [[nodiscard]] bool forecastHolds(const PredictiveScore& score) const;
     void summariseEvidence(const ModelWeights& w, Evidence& evidence);
     void proposeNextExperiment();
     void present();
@@ -316,6 +319,16 @@ const Localisation& Procedure::residualOf(std::size_t model) {
                      .first->second;
 }
 
+std::vector<RunForecast> Procedure::forecastsOfRuns(const PredictiveScore& score) const {
+    return grouping_.forward ? forecastsOf(*likelihood_, grouping_, score, settings_.seed + 4)
+                             : std::vector<RunForecast>();
+}
+
+bool Procedure::forecastHolds(const PredictiveScore& score) const {
+    const std::vector<RunForecast> runs = forecastsOfRuns(score);
+    return std::all_of(runs.begin(), runs.end(), [](const RunForecast& run) { return run.holds; });
+}
+
 void Procedure::computeWeights(ModelWeights& w) {
     std::vector<PredictiveScore> held;
     WeightingInput given;
@@ -329,6 +342,7 @@ void Procedure::computeWeights(ModelWeights& w) {
             !t.learned &&
             !amplitudesAtBound(evaluator_.model(), t.fit, std::max(1.0, chiSquaredPerReading(*likelihood_, t.fit)))
                  .empty());
+        given.forecastFails.push_back(!forecastHolds(t.held));
         // Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
         // catalogue".
         given.prior.push_back(t.learned ? 0.5 * kPriorOutsideCatalogue : t.candidates.size() > 1 ? 0.1 * share : share);
@@ -477,6 +491,8 @@ void Procedure::conclude() {
     e.adequate = w.adequate; // detectable effects only
     e.outsideCatalogue = out_.outsideCatalogue;
     e.any = !entries_.empty();
+    e.searched = std::none_of(out_.notTried.begin(), out_.notTried.end(),
+                              [](const std::string& what) { return what.find("effect") != std::string::npos; });
     for (std::size_t a = 0; a < entries_.size(); ++a)
         out_.effects[a].confoundedWith = ranking.groupOf(entries_, a, out_.effects[a].jointWith);
     if (e.any)
@@ -511,6 +527,11 @@ void Procedure::summariseEvidence(const ModelWeights& w, Evidence& e) {
         improvementOf(baselineScore_, best.held, settings_.seed + 3, out_.improvement, out_.improvementCi);
         out_.residualAfterBest = residualOf(first);
     }
+    const PredictiveScore& shown = e.any ? hypotheses_[entries_.front().model].held : baselineScore_;
+    out_.forecast = {forecastsOfRuns(e.adequate >= 0.5 ? baselineScore_ : shown), shown.folds, shown.substituted,
+                     shown.nonlinear};
+    e.forecastHolds = std::all_of(out_.forecast.runs.begin(), out_.forecast.runs.end(),
+                                  [](const RunForecast& run) { return run.holds; });
     double relevant = 0.0,
            undetectable = 0.0; // an effect counts if a relevant amplitude changes the readings by 5 sigma
     for (const ScreenedEffect& s : out_.screening)

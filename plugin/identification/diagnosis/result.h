@@ -41,6 +41,7 @@ struct FittedEffect {
     double trainingRmse = 0.0, heldOutRmse = 0.0; ///< N
     double deltaChiSquared = 0.0;                 ///< decrease of chi-squared against the baseline, training
     double chiSquaredPerReading = 0.0;            ///< mean squared residual, training
+    int starts = 0, startsAgreed = 0; ///< fits of free runs from different starts, and those that found this minimum
 };
 
 /// Screening result of a label.
@@ -130,6 +131,22 @@ struct Homogeneity {
     [[nodiscard]] double shift() const { return degrees > 0.0 ? std::sqrt(q / degrees) : 0.0; }
 };
 
+/// Forecasts of a free run from its beginning.
+struct RunForecast {
+    std::string run;
+    double squares = 0.0; ///< standardised squared error a row
+    double atLeast = 0.0; ///< its lower bound with 95 %
+    bool holds = true;
+};
+
+/// Held-out errors of a hypothesis as forecasts.
+struct Forecast {
+    std::vector<RunForecast> runs; ///< of free runs; else empty
+    int of = 0;                    ///< number of forecasts
+    int substituted = 0;           ///< where the fit to all readings stands in for a forecast
+    int nonlinear = 0;             ///< where the error is not that of a linear forecast
+};
+
 struct Diagnosis {
     /// Probability of an effect too small to be detected, all labels together.
     [[nodiscard]] double undetectable() const {
@@ -152,6 +169,7 @@ struct Diagnosis {
     double adequate = 0.0, outsideCatalogue = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
     bool improved = false; ///< whether the last two belong to an effect; otherwise to the baseline
+    Forecast forecast;     ///< of the same hypothesis
     double improvement = 0.0;
     Interval improvementCi{};
     double baselineChiSquaredPerReading = 0.0; ///< mean squared residual of the baseline

@@ -69,7 +69,7 @@ Json visibleIntervalsOf(const Diagnosis& d) {
 Json effectsOf(const Diagnosis& d) {
     const std::string unit = "_" + d.unit;
     Json all = Json::array();
-    for (const FittedEffect& e : d.effects)
+    for (const FittedEffect& e : d.effects) {
         all.push_back({{"label", e.label},
                        {"probability", e.probability},
                        {"confounded_with", e.confoundedWith},
@@ -85,6 +85,11 @@ Json effectsOf(const Diagnosis& d) {
                        {"heldout_rmse" + unit, e.heldOutRmse},
                        {"chi2_per_reading", e.chiSquaredPerReading},
                        {"visible_intervals", &e == &d.effects.front() ? visibleIntervalsOf(d) : Json::array()}});
+        if (e.starts > 0) {
+            all.back()["starts"] = e.starts;
+            all.back()["starts_agreed"] = e.startsAgreed;
+        }
+    }
     return all;
 }
 
@@ -177,6 +182,20 @@ Json fitOf(const Diagnosis& d) {
             {"baseline_chi2_per_reading", finite(d.baselineChiSquaredPerReading)}};
 }
 
+/// Forecasts of free runs from their beginnings.
+Json forecastOf(const Diagnosis& d) {
+    Json runs = Json::array();
+    for (const diagnosis::RunForecast& run : d.forecast.runs)
+        runs.push_back({{"run", run.run},
+                        {"squares_per_reading", finite(run.squares)},
+                        {"at_least", finite(run.atLeast)},
+                        {"holds", run.holds}});
+    return {{"runs", runs},
+            {"forecasts", d.forecast.of},
+            {"substituted", d.forecast.substituted},
+            {"nonlinear", d.forecast.nonlinear}};
+}
+
 Json nominalOf(const Diagnosis& d) {
     Json out = Json::object();
     for (const diagnosis::NominalResult& n : d.nominal)
@@ -240,6 +259,8 @@ std::string diagnosisJson(const Diagnosis& d) {
                  {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
     if (!d.batch.empty())
         json["batch"] = batchOf(d);
+    if (!d.forecast.runs.empty())
+        json["forecast"] = forecastOf(d);
     return record::jsonText(json) + "\n";
 }
 

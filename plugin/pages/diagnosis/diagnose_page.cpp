@@ -25,6 +25,27 @@ std::string scroll(const std::string& figure) {
     return figure.empty() ? "" : "<div class=\"scroll wide\">" + figure + "</div>";
 }
 
+/// How far held-out errors are those of forecasts.
+std::string forecastText(const diagnosis::Forecast& f) {
+    std::string html;
+    if (f.substituted > 0)
+        html += "<p>In " + std::to_string(f.substituted) + " of " + std::to_string(f.of) +
+                " forecasts the fit to all readings stands in for the forecast, which is not linear.</p>";
+    if (f.runs.empty())
+        return html;
+    html += "<table><tr><th>run, forecast from its beginning</th><th>squared error a reading, in noise variances</th>"
+            "<th>at least (95 %)</th><th></th></tr>";
+    for (const diagnosis::RunForecast& run : f.runs)
+        html += "<tr><td>" + escaped(run.run) + "</td><td>" + fixed(run.squares, 2) + "</td><td>" +
+                fixed(run.atLeast, 2) + "</td><td>" +
+                (run.holds ? "" : "the forecast does not hold for " + escaped(run.run)) + "</td></tr>";
+    html += "</table><p>The laws are fitted to a third, half and two thirds of all runs, and forecast what follows.";
+    if (f.nonlinear > 0)
+        html += " In " + std::to_string(f.nonlinear) + " of " + std::to_string(f.of) +
+                " forecasts the fit to all readings differs by more than a linear forecast explains.";
+    return html + "</p>";
+}
+
 std::string errorTable(const Diagnosis& d) {
     const double floor = std::max(1e-300, d.noise.total());
     std::string html = "<table><tr><th></th><th>training error</th><th>held-out error</th>"
@@ -46,7 +67,7 @@ std::string errorTable(const Diagnosis& d) {
         html += " Weighted by noise, its correlation and the model error, the held-out error falls by " +
                 fixed(100.0 * d.improvement, 0) + " % (90 % interval " + fixed(100.0 * d.improvementCi.low, 0) +
                 " to " + fixed(100.0 * d.improvementCi.high, 0) + " %).";
-    return html + "</p>";
+    return html + "</p>" + forecastText(d.forecast);
 }
 
 std::string effectTable(const Diagnosis& d) {
@@ -72,6 +93,9 @@ std::string effectTable(const Diagnosis& d) {
         if (!e.derived.empty())
             values += "<br>derived:";
         std::for_each(e.derived.begin(), e.derived.end(), write);
+        if (e.starts > 0)
+            values += "<br>" + std::to_string(e.startsAgreed) + " of " + std::to_string(e.starts) +
+                      " fits from different starts agree";
         std::string group;
         for (std::size_t i = 1; i < e.confoundedWith.size(); ++i)
             group += (i > 1 ? ", " : "") + escaped(diagnosis::plainWords(e.confoundedWith[i]));

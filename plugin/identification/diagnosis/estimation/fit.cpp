@@ -115,6 +115,18 @@ double widened(double difference, double change) {
     return change > 0.0 ? std::clamp(difference * kPlain / change, difference, kWidest) : kWidest;
 }
 
+/// Difference step of a free motion, by what `step` to both sides changed in all readings, sigma. The motion is smooth
+/// and the simulation exact to 1e-9, so the step may be small; but sticking shifts single readings. A change of 1.5
+/// sigma a reading or a twentieth of a radian of phase, whichever is less: there a sine bends by 0.04 % of its change.
+double bySignal(const Likelihood& likelihood, double step, double change) {
+    constexpr double kSigma = 1.5, kPhase = 0.05, kEnough = 5.0; // kEnough: steps within this ratio stay
+    constexpr double kNarrowest = 1e-4, kWidest = 30.0;          // times `step`
+    const double signal = kPhase * likelihood.signalNorm();
+    const double wanted = std::min(kSigma * std::sqrt(static_cast<double>(likelihood.countedRows())), signal);
+    const double ratio = change > 0.0 ? std::clamp(wanted / change, kNarrowest, kWidest) : kWidest;
+    return ratio > 1.0 / kEnough && ratio < kEnough ? step : ratio * step;
+}
+
 /// Derivatives with respect to the parameters `only`; faint ones again over a wider step. Only stated parameters are
 /// widened: effects may begin at a threshold, and parameters of free scenes have no bounds.
 /// @param take fills columns of `into` from their neighbours in x
@@ -122,8 +134,7 @@ template <class Fill>
 void differentiateInTwoPasses(const Likelihood& likelihood, const Variables& v, const Eigen::VectorXd& x,
                               double difference, const std::vector<Eigen::Index>& only, const Evaluator& evaluator,
                               Eigen::MatrixXd& into, const Fill& fill) {
-    // The phase of a free motion is very sensitive to its initial state. The motion is smooth, so a small step is
-    // accurate.
+    // The phase of a free motion is very sensitive to its initial state, so its first step is small.
     constexpr double kFree = 0.05;
     std::vector<Neighbours> near, wide;
     for (const Eigen::Index c : only) {
@@ -132,8 +143,12 @@ void differentiateInTwoPasses(const Likelihood& likelihood, const Variables& v, 
     }
     fill(near);
     for (const Neighbours& n : near)
-        if (const double wider = widened(difference, into.col(n.column).norm() * n.span());
-            wider > difference && n.column < v.nominal && !likelihood.data().free)
+        if (likelihood.data().free) {
+            const double change = into.col(n.column).norm() * n.span();
+            if (const double step = bySignal(likelihood, kFree * difference, change); step != kFree * difference)
+                wide.emplace_back(v, x, n.column, step);
+        } else if (const double wider = widened(difference, into.col(n.column).norm() * n.span());
+                   wider > difference && n.column < v.nominal && !likelihood.data().free)
             wide.emplace_back(v, x, n.column, wider);
     if (!wide.empty() && !evaluator.stopped())
         fill(wide);
@@ -326,8 +341,7 @@ private:
         const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual - v_.penalty * now_.x;
         const double typical = std::max(1e-12, G.diagonal().mean());
         G.diagonal() += damping_ * (G.diagonal().array() + 1e-3 * typical).matrix();
-        constexpr double kFar = 2.0; // steps in one go
-        const Eigen::VectorXd far = Eigen::VectorXd::Constant(v_.size(), kFar);
+        const Eigen::VectorXd far = farthest();
         const Eigen::VectorXd step =
             solveBoxQp(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
         const Eigen::VectorXd to = now_.x + step;
@@ -344,6 +358,17 @@ private:
             accept(std::move(trial), step, predictedGain);
         else
             reject();
+    }
+
+    /// Longest step: two half-widths, of free motions where a parameter alone shifts the phase by half a radian.
+    [[nodiscard]] Eigen::VectorXd farthest() const {
+        constexpr double kSteps = 2.0, kPhase = 0.5;
+        Eigen::VectorXd far = Eigen::VectorXd::Constant(v_.size(), kSteps);
+        if (likelihood_.data().free)
+            for (Eigen::Index c = 0; c < far.size(); ++c)
+                if (const double slope = now_.jacobian.col(c).norm(); slope > 0.0)
+                    far[c] = std::min(1e6, kPhase * likelihood_.signalNorm() / slope);
+        return far;
     }
 
     /// Damping below 0.3 shortens a step by at most 9 %, so a failed step would fail again.

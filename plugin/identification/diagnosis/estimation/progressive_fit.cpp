@@ -1,12 +1,11 @@
 #include "plugin/identification/diagnosis/estimation/progressive_fit.h"
 
+#include "plugin/identification/diagnosis/estimation/event_fit.h"
+
 #include <limits>
 
 namespace supercircle::diagnosis {
 
-namespace {
-
-/// The first `share` of every run.
 RecordedData firstPart(const RecordedData& data, double share) {
     RecordedData out = data;
     for (RecordedRun& run : out.runs) {
@@ -23,13 +22,13 @@ RecordedData firstPart(const RecordedData& data, double share) {
     return out;
 }
 
-} // namespace
-
 ParameterPoint progressiveStart(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start,
                                 const FitSettings& settings) {
     ParameterPoint at = start;
     if (!likelihood.data().free)
         return at;
+    if (const auto events = fitEvents(evaluator, likelihood, start))
+        return *events;
     for (const double share : {0.125, 0.25, 0.5}) {
         const RecordedData part = firstPart(likelihood.data(), share);
         const auto there = evaluator.simulateAllRuns({at}, Fidelity::Fine).front();

@@ -343,6 +343,21 @@ Eigen::Index Likelihood::countedRowsIn(std::size_t r) const {
     return n;
 }
 
+double Likelihood::signalNorm() const {
+    double sum = 0.0;
+    for (const RecordedRun& run : data_.runs) {
+        double first = 0.0, second = 0.0, count = 0.0;
+        for (const double v : run.force)
+            if (std::isfinite(v)) {
+                first += v;
+                second += v * v;
+                count += 1.0;
+            }
+        sum += count > 0.0 ? std::max(0.0, second - first * first / count) : 0.0;
+    }
+    return std::sqrt(sum) / std::max(noise_.total(), 1e-300);
+}
+
 Eigen::Index Likelihood::countedRows() const {
     Eigen::Index n = 0;
     for (std::size_t r = 0; r < runs(); ++r)

@@ -12,8 +12,9 @@ namespace {
 
 using experiment::Experiment;
 
-/// Deviations whose changes of the readings are closer than this in direction are one. With 0.99 two of them would
-/// trade 0.14 of their sum, with 0.96 those of mass and stiffness of a damped oscillation would be merged.
+/// Deviations whose changes of the readings are closer than this in direction are one: 11 degrees. At half that angle
+/// two of them trade twice as much of their sum at the same noise; at twice of it, factors that runs tell apart at
+/// twice the noise are merged.
 constexpr double kAlike = 0.98; // cosine
 
 /// The first run of each specimen that has one.

@@ -21,6 +21,8 @@ FittedEffect presentEffect(const Model& model, const Likelihood& likelihood, con
     e.heldOutRmse = t.held.forceRmse;
     e.deltaChiSquared = baselineChiSquared - t.fit.chiSquared;
     e.chiSquaredPerReading = chiSquaredPerReading(likelihood, t.fit);
+    e.starts = t.starts;
+    e.startsAgreed = t.agreed;
     const Variables v(model, t.fit.point);
     const std::vector<Index> atBound =
         t.learned ? std::vector<Index>{} : amplitudesAtBound(model, t.fit, std::max(1.0, e.chiSquaredPerReading));

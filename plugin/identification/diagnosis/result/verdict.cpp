@@ -142,8 +142,10 @@ std::string ambiguousSentence(const Diagnosis& d, const Evidence& e) {
         add("another effect too small to be detected", d.undetectable());
     if (d.outsideCatalogue > kMentioned)
         add("an effect outside the catalogue", d.outsideCatalogue);
-    std::string text =
-        "An effect is missing (p = " + rounded(e.p, 3) + "), but these runs do not decide which: " + hypotheses + ".";
+    std::string text = "An effect is missing (p = " + rounded(e.p, 3) + "), but " +
+                       (e.searched ? "these runs do not decide which: "
+                                   : "the time limit ended the search before all effects were tried; so far: ") +
+                       hypotheses + ".";
     if (!d.effects.empty() && d.effects.front().confoundedWith.size() > 1)
         text += " They cannot distinguish " + plainWords(d.effects.front().label) + " from " +
                 joined(d.effects.front().confoundedWith, 1) + ".";
@@ -177,13 +179,15 @@ std::string verdictOf(const Evidence& e) {
     if (!(e.adequate >= 0.0 && e.outsideCatalogue >= 0.0)) // numerical failure
         return "outside_catalogue";
     if (e.adequate >= 0.5)
-        return e.undetectable > 0.5 || e.adequate < kSuggestive || e.p <= kFamilyWise ? "inconclusive" : "adequate";
+        return e.undetectable > 0.5 || e.adequate < kSuggestive || e.p <= kFamilyWise || !e.forecastHolds
+                   ? "inconclusive"
+                   : "adequate";
     if (e.p > kFamilyWise) // the misfit is not significant
         return "inconclusive";
     if (e.outsideCatalogue >= 0.5 || !e.any)
-        return "outside_catalogue";
+        return e.searched ? "outside_catalogue" : "ambiguous"; // an effect that was not tried may explain it
     const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
-    return e.groupProbability >= 0.9 && gains ? "identified" : "ambiguous";
+    return e.groupProbability >= 0.9 && gains && e.forecastHolds ? "identified" : "ambiguous";
 }
 
 namespace {
@@ -201,6 +205,17 @@ std::string amplitudesBeyondRange(const Diagnosis& d) {
                         (p.unit == "1" ? "" : " " + p.unit);
     }
     return text.empty() ? text : ", but only with an implausibly large amplitude (" + text + ")";
+}
+
+/// Runs whose rest the law does not forecast from their beginning.
+std::string forecastSentence(const Diagnosis& d) {
+    std::string text;
+    for (const RunForecast& run : d.forecast.runs)
+        if (!run.holds)
+            text += (text.empty() ? " The forecast does not hold for " : ", ") + run.run + " (squared error " +
+                    rounded(run.squares, 3) + " a reading, at least " + rounded(run.atLeast, 3) +
+                    "; a forecast that holds leaves 1)";
+    return text.empty() ? text : text + ".";
 }
 
 std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
@@ -225,6 +240,10 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
                "the probability that no detectable effect is missing is " + rounded(e.adequate, 3) + "." +
                nextSentence(d);
     }
+    if (d.verdict == "inconclusive" && !e.forecastHolds)
+        return "The simulation agrees with the runs to within noise, but a fit to their beginning does not forecast "
+               "the rest: these runs do not decide." +
+               nextSentence(d);
     if (d.verdict == "inconclusive")
         return "The simulation agrees with the runs, but most effects of the catalogue could act at a relevant "
                "amplitude "
@@ -246,7 +265,8 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
 } // namespace
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
-    const std::string text = verdictSentence(d, e) + specimensSentence(d.batch);
+    const std::string text = verdictSentence(d, e) +
+                             (d.verdict == "outside_catalogue" ? "" : specimensSentence(d.batch)) + forecastSentence(d);
     if (d.noise.disturbance <= 0.0)
         return text;
     return text +

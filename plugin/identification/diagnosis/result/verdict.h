@@ -14,6 +14,8 @@ struct Evidence {
     double outsideCatalogue = 0.0;
     double undetectable = 0.0; ///< fraction of relevant effects that are not detectable
     bool any = false;          ///< whether an effect was fitted
+    bool searched = true;      ///< all effects were tried; false: the time limit ended the search
+    bool forecastHolds = true; ///< of the shown hypothesis, in all free runs
 };
 
 /// One of the five verdicts of diagnosis.json.

@@ -2,6 +2,7 @@
 
 #include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/model/decompositions.h"
+#include "plugin/identification/diagnosis/selection/forward_validation.h"
 #include "supercircle/support/elementary.h"
 
 #include <algorithm>
@@ -33,7 +34,13 @@ Eigen::MatrixXd priorOf(const Variables& v) {
     return p.asDiagonal();
 }
 
-/// (1 + A A')^(-1/2) e and log det(1 + A A') by the small eigenproblem of A'A.
+} // namespace
+
+Eigen::MatrixXd priorPrecision(const Variables& v) {
+    return priorOf(v) + v.penalty;
+}
+
+/// By the small eigenproblem of A'A.
 double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
     const dense::SymmetricEigen eigen = dense::symmetricEigen(A.transpose() * A);
     double logDet = 0.0;
@@ -49,6 +56,8 @@ double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e) {
     e = out;
     return logDet;
 }
+
+namespace {
 
 /// Time of each row, s; infinite for jumps, which belong to the force.
 std::vector<double> timesOf(const Likelihood& likelihood) {
@@ -136,6 +145,8 @@ void joinNearestForce(Grouping& g, const Likelihood& likelihood, std::size_t r, 
 } // namespace
 
 Grouping groupingOf(const Likelihood& likelihood) {
+    if (likelihood.data().free)
+        return forwardGroupingOf(likelihood);
     Grouping g;
     const bool byRun = likelihood.runs() > 1;
     const std::vector<int> runFolds = foldsOf(likelihood.data());
@@ -286,6 +297,8 @@ FoldFit fitToTraining(Evaluator& evaluator, const Likelihood& likelihood, const 
 
 PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood, const Grouping& g,
                               const FitResult& fitted) {
+    if (g.forward)
+        return forwardValidate(evaluator, likelihood, g, fitted);
     // Differences of chi-squared above which the density counts as nonlinear, and below which the other rows are
     // indifferent (cross_validation.h).
     constexpr double kNonlinear = 6.0, kIndifferent = 2.0;
@@ -294,9 +307,10 @@ PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood
     out.energy = out.volume = out.rows = Eigen::VectorXd::Zero(g.blocks);
     out.error = Eigen::VectorXd::Zero(likelihood.rows());
     const Eigen::MatrixXd& J = fitted.jacobian;
-    const Eigen::MatrixXd prior = priorOf(v) + v.penalty;
+    const Eigen::MatrixXd prior = priorPrecision(v);
     const Eigen::VectorXd known = variances(J.transpose() * J + prior);
     out.identifiedOnlyBy.assign(static_cast<std::size_t>(v.size()), -1);
+    out.folds = g.folds;
     double chiSquared = 0.0, count = 0.0;
     const FoldFit best{fitted.x, fitted.residual, likelihood.maskPenalty(fitted.responses), fitted.responses};
     for (int f = 0; f < g.folds; ++f) {
@@ -315,6 +329,7 @@ PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood
         const double trainingGain = std::max(0.0, others(best) - others(at));
         const double direct = e.squaredNorm() + held.dot(at.maskPenalty), whole = best.chiSquared(held) + trainingGain;
         if (std::abs(direct - whole) > kNonlinear) {
+            ++out.substituted;
             e = held.cwiseProduct(best.residual);
             at.maskPenalty = best.maskPenalty + trainingGain / rows * held;
             if (direct > whole && trainingGain < kIndifferent) {

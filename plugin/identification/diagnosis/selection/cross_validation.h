@@ -24,7 +24,9 @@ struct Grouping {
     std::vector<int> block; ///< a stroke of a run: unit of the bootstrap
     int folds = 0, blocks = 0;
     std::vector<std::string> names; ///< of folds: runs, "run_4.csv and 2 repeats", "cycle 2", "fifth 3"
+    bool forward = false;           ///< folds follow each other in time (forward_validation.h)
 };
+/// Free runs are left out forward in time.
 Grouping groupingOf(const Likelihood& likelihood);
 
 struct PredictiveScore {
@@ -35,9 +37,18 @@ struct PredictiveScore {
     Eigen::VectorXd error;             ///< whitened, per stacked row
     double forceRmse = 0.0;            ///< N
     std::vector<int> identifiedOnlyBy; ///< per parameter: the fold without which it is unknown, -1: none
+    int folds = 0;                     ///< number of forecasts
+    int substituted = 0;               ///< of these, where the fit to all rows stands in for the forecast
+    int nonlinear = 0; ///< of those forward in time, where forecast and fit to all rows differ by more than linear
+                       ///< forecasts do
     /// Log density per block, tempered by the dispersion.
     [[nodiscard]] Eigen::VectorXd score(double dispersion) const { return -0.5 * (energy / dispersion + volume); }
 };
+
+/// Precision of the prior of x: uniform distributions by their variance, and the penalty of learned laws.
+Eigen::MatrixXd priorPrecision(const Variables& variables);
+/// Replaces e by (1 + A A')^(-1/2) e and returns log det(1 + A A').
+double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e);
 
 PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood, const Grouping& grouping,
                               const FitResult& fitted);

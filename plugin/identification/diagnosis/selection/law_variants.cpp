@@ -63,6 +63,23 @@ ParameterPoint fromStated(const Model& model, ParameterPoint point) {
     return point;
 }
 
+/// Chi-squared within which two fits have found one minimum.
+constexpr double kAgree = 2.0;
+
+/// Fits a law of free runs from the stated numbers too, and keeps the better fit.
+void fitFromStatedToo(Evaluator& evaluator, const Likelihood& likelihood, const ScreenedProbe& probe,
+                      FittedHypothesis& t) {
+    ParameterPoint start = fromStated(evaluator.model(), t.fit.point);
+    start.terms.back().values = probe.values;
+    FitResult other = fit(evaluator, likelihood, start);
+    if (!other.failure.empty())
+        return;
+    t.starts = 2;
+    t.agreed = std::abs(other.chiSquared - t.fit.chiSquared) < kAgree ? 2 : 1;
+    if (other.chiSquared < t.fit.chiSquared)
+        t.fit = std::move(other);
+}
+
 /// Whether a nominal parameter of a fit stands at an end of its interval.
 bool inCorner(const Model& model, const FitResult& f) {
     constexpr double kEnd = 0.98; // of the half-width
@@ -87,9 +104,11 @@ std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood&
         if (evaluator.stopped())
             break;
         fitted.insert(s->candidate);
-        FittedHypothesis t = fitProbe(evaluator, likelihood, base, *s, least);
+        FittedHypothesis t = fitProbe(evaluator, likelihood, base, *s, likelihood.data().free ? 0.0 : least);
         if (!t.fit.failure.empty())
             continue;
+        if (likelihood.data().free)
+            fitFromStatedToo(evaluator, likelihood, *s, t);
         least = least > 0.0 ? std::min(least, t.fit.chiSquared) : t.fit.chiSquared;
         if (!best || penalisedChiSquared(t) < penalisedChiSquared(*best))
             best = std::move(t);
@@ -111,6 +130,12 @@ std::optional<FittedHypothesis> refitFromStated(Evaluator& evaluator, const Like
     FitSettings given;
     given.competitor = known.fit.chiSquared;
     again.fit = fit(evaluator, likelihood, start, given);
+    if (again.fit.failure.empty() && known.starts > 0) {
+        ++again.starts;
+        again.agreed = again.fit.chiSquared < known.fit.chiSquared - kAgree   ? 1
+                       : again.fit.chiSquared < known.fit.chiSquared + kAgree ? known.agreed + 1
+                                                                              : known.agreed;
+    }
     if (!again.fit.failure.empty() || again.fit.chiSquared > known.fit.chiSquared - 1.0)
         return std::nullopt;
     return again;

@@ -227,13 +227,13 @@ void limitToChance(Hypotheses& all, const WeightingInput& given, const Room& roo
 }
 
 /// "Outside the catalogue" scores at least as the best effect where that is rejected: too large a residual, an
-/// amplitude at its bound, or a periodic disturbance.
+/// amplitude at its bound, a forecast that fails, or a periodic disturbance.
 void applyRejection(Hypotheses& all, const PredictiveScore& baseline, const PredictiveScore& best,
                     const WeightingInput& given, ModelWeights& out) {
     const double left = dispersionOf(best) - 1.0;
     out.rejected = leavesTooLargeResidual(baseline, best, given.excessKurtosis, given.noiseChiSquared,
                                           given.largestZOf(out.best)) ||
-                   given.isAtBound(out.best) || given.periodicDisturbance;
+                   given.isAtBound(out.best) || given.failsToForecast(out.best) || given.periodicDisturbance;
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
     if (left > kRejectedExcess || given.periodicDisturbance) // odds of 150 against the noise being misjudged

@@ -39,7 +39,8 @@ struct ModelWeights {
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over the baseline, and its standard error over blocks
     double dispersion = 1.0;
-    /// The best hypothesis is rejected: residual too large, amplitude at its bound, or a periodic disturbance.
+    /// The best hypothesis is rejected: residual too large, amplitude at its bound, a forecast that fails, or a
+    /// periodic disturbance.
     bool rejected = false;
     std::size_t best = 0; ///< highest score among those that beat their `mustBeat`; meaningless without effects
     /// Whether effect `a` ranks before `b`.
@@ -62,6 +63,11 @@ struct WeightingInput {
     /// For each effect, whether an amplitude is at the end of its plausible range; empty: none.
     std::vector<char> atBound;
     [[nodiscard]] bool isAtBound(std::size_t effect) const { return effect < atBound.size() && atBound[effect] != 0; }
+    /// For each effect, whether its forecast of a free run fails (forecastsOf()); empty: none.
+    std::vector<char> forecastFails;
+    [[nodiscard]] bool failsToForecast(std::size_t effect) const {
+        return effect < forecastFails.size() && forecastFails[effect] != 0;
+    }
     /// Whether a periodic disturbance, which no specimen causes, dominates the baseline residual.
     bool periodicDisturbance = false;
     /// Largest significant window statistic of each effect's residual, sigma (largestResidualZ()); empty or 0: none, or

@@ -492,7 +492,7 @@ void Procedure::conclude() {
     e.outsideCatalogue = out_.outsideCatalogue;
     e.any = !entries_.empty();
     e.searched = std::none_of(out_.notTried.begin(), out_.notTried.end(),
-                              [](const std::string& what) { return what.find("effect") != std::string::npos; });
+                              [](const std::string& what) { return what.rfind("the effect ", 0) == 0; });
     for (std::size_t a = 0; a < entries_.size(); ++a)
         out_.effects[a].confoundedWith = ranking.groupOf(entries_, a, out_.effects[a].jointWith);
     if (e.any)

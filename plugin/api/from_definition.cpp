@@ -81,6 +81,8 @@ Result<RodFromDefinition> fromDefinition(const ShellDef& d) {
     for (const auto* list : {&r.naturalCurvature, &curvature})
         if (const Status turned = limits::turns(model, *list); !turned)
             return Made::failure(turned.error());
+    if (const Status closes = limits::ring(model, curvature); d.closed && !closes)
+        return Made::failure(closes.error());
     out.q.setZero(model.dofs());
     out.v.setZero(model.dofs());
     for (int i = 0; i < d.elements; ++i) {

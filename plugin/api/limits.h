@@ -83,5 +83,15 @@ inline Status turns(const rod::RodModel& model, const std::vector<double>& curva
                 std::to_string(i) + " would turn by " + std::to_string(turn) + " rad");
     return {};
 }
+/// A closed curve that does not cross itself turns once (Whitney). The closure keeps the whole turns that are nearest.
+inline Status ring(const rod::RodModel& model, const std::vector<double>& curvature) {
+    double turn = 0.0;
+    for (int i = 0; i < model.elements(); ++i)
+        turn += curvature[static_cast<std::size_t>(i)] * model.elementLength(i);
+    if (std::abs(turn) > M_PI && std::abs(turn) < 3.0 * M_PI)
+        return {};
+    return Status::failure("a ring turns once: curvature must add up to 2 pi over its length, here it is " +
+                           std::to_string(turn) + " rad (empty: a round ring)");
+}
 
 } // namespace supercircle::limits

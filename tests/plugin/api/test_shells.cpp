@@ -81,6 +81,12 @@ TEST_CASE("bad definitions fail with a reason and change nothing", "[plugin]") {
     // Finite but impossible: elements that turn many times, energies that are not finite.
     refused("tight radius", [&](ShellDef& d) { d.radius = 1e-9, d.length = 0.1; });
     refused("tight curl", [&](ShellDef& d) { d.curvature.assign(static_cast<std::size_t>(d.elements), 1e9); });
+    for (const double turns : {-2.0, -0.4, 0.0, 0.4, 1.82, 2.0}) // its ends never meet, or only across itself
+        refused("turns once", [&](ShellDef& d) {
+            d.closed = true;
+            d.length = 0.1;
+            d.curvature.assign(static_cast<std::size_t>(d.elements), turns * 2.0 * M_PI / d.length);
+        });
     refused("speed", [&](ShellDef& d) { d.velocity.x = 1e200; });
     refused("place", [&](ShellDef& d) { d.position.y = -1e300; });
     for (const double bad : {kNan, kInf, -kInf, -1.0})

@@ -35,7 +35,7 @@ struct ShellDef {
     double damping_ratio = -1.0;
     int elements = 15;           ///< number of arcs
     double tip_refinement = 1.0; ///< length of the middle arcs over that of the tip arcs, 1
-    bool closed = false;         ///< a ring: the ends are welded
+    bool closed = false;         ///< a ring: the ends are welded; `curvature`, if given, turns once, by 2 pi
     Point velocity{};            ///< m/s
     double spin = 0.0;           ///< rad/s
     std::uint16_t category = 1;  ///< collision filter as in Box2D

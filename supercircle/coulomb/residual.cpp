@@ -25,8 +25,9 @@ Residual ResidualSum::result() const {
     SC_ASSERT(!(closing_ < 0.0) && !(held_ < 0.0) && !(impulse_ < 0.0), "sums of squares are not negative");
     const double scale = closing_ > 0.0 ? closing_ : held_;
     // Rows that contradict each other have impulses of any size, beside which u_c / d_c is lost: F_c = r_c - r_c = 0.
-    // What cannot be told from round-off counts as error where it is no longer small beside the tolerances in use.
-    constexpr double kSeen = 1e-9; // of the residual: halved or doubled, impulses count that are half or twice as large
+    // What cannot be told from round-off counts as error where it reaches the tolerance of the laboratory. Halved or
+    // doubled, impulses count that are half or twice as large; at a tenth of it those of a strip pressed lengthwise.
+    constexpr double kSeen = 1e-8;
     constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
     const bool blind = kRoundOff * kRoundOff * held_ > kSeen * kSeen * scale;
     const double error = blind ? error_ + kRoundOff * kRoundOff * held_ : error_;

@@ -75,15 +75,12 @@ private:
         times.insert(times.end(), run_.readings.time.begin(), run_.readings.time.end());
         std::sort(times.begin(), times.end());
         times.erase(std::unique(times.begin(), times.end()), times.end());
-        loads_->set(rig_, experiment::commanded(run_, times.front()));
         const auto seen = [&] {
             trace_.forces.push_back({clock_, 0.0});
             addMarkers(clock_);
             largestCurvatureChange_ = std::max(largestCurvatureChange_, rig_.bend());
         };
-        if (!rig_.move(0.0, std::max(times.size() > 1 ? times[1] - times[0] : 1.0, rig_.settlingTime()), {}))
-            return std::move(trace_);
-        seen();
+        seen(); // the rig has settled under the first load
         for (std::size_t i = 1; i < times.size() && !stopped_ && times[i] <= run_.driveTime.back(); ++i) {
             const double from = experiment::commanded(run_, times[i - 1]), to = experiment::commanded(run_, times[i]);
             const double time = times[i] - times[i - 1];

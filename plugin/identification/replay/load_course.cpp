@@ -29,18 +29,17 @@ LoadCourse::LoadCourse(const experiment::Experiment& e, std::size_t run, const P
     to_ = *most > *least ? *most : *least + 1.0;
     Parameters driven = p;
     driven.scene.push_back({e.scene->driveParameter, -1, 0.0}); // after a stated value, which it replaces
-    const auto at = [&](double value, scene::Scene& out) {
+    const auto at = [&](double value) {
         driven.scene.back().value = value;
-        if (auto scene = sceneOf(e, run, driven, failure_))
-            out = *std::move(scene);
+        auto scene = sceneOf(e, run, driven, failure_);
+        return scene ? std::move(scene->loads) : std::vector<scene::PointLoad>{};
     };
-    scene::Scene middle;
-    at(from_, first_);
-    at(to_, last_);
-    at(0.5 * (from_ + to_), middle);
-    for (std::size_t i = 0; failure_.empty() && i < middle.loads.size(); ++i) {
-        const scene::PointLoad straight = mixed(first_.loads[i], last_.loads[i], 0.5);
-        const scene::PointLoad &a = first_.loads[i], &b = last_.loads[i], &m = middle.loads[i];
+    first_ = at(from_);
+    last_ = at(to_);
+    const std::vector<scene::PointLoad> middle = at(0.5 * (from_ + to_));
+    for (std::size_t i = 0; failure_.empty() && i < middle.size(); ++i) {
+        const scene::PointLoad straight = mixed(first_[i], last_[i], 0.5);
+        const scene::PointLoad &a = first_[i], &b = last_[i], &m = middle[i];
         const double size = math::hypot(a.force.x, a.force.y) + math::hypot(b.force.x, b.force.y);
         if (math::hypot(m.force.x - straight.force.x, m.force.y - straight.force.y) > 1e-9 * size ||
             std::abs(m.moment - straight.moment) > 1e-9 * (std::abs(a.moment) + std::abs(b.moment)))
@@ -50,11 +49,10 @@ LoadCourse::LoadCourse(const experiment::Experiment& e, std::size_t run, const P
 }
 
 void LoadCourse::set(TestRig& rig, double value) const {
-    scene::Scene now = first_;
-    now.starts_at_rest = false;
-    for (std::size_t i = 0; i < now.loads.size(); ++i)
-        now.loads[i] = mixed(first_.loads[i], last_.loads[i], (value - from_) / (to_ - from_));
-    rig.setLoads(now);
+    std::vector<scene::PointLoad> now;
+    for (std::size_t i = 0; i < first_.size(); ++i)
+        now.push_back(mixed(first_[i], last_[i], (value - from_) / (to_ - from_)));
+    rig.setLoads(now, false);
 }
 
 } // namespace supercircle::replay

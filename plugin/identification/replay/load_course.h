@@ -16,8 +16,8 @@ public:
     void set(TestRig& rig, double value) const;
 
 private:
-    double from_ = 0.0, to_ = 0.0; ///< values of the parameter
-    scene::Scene first_, last_;    ///< the scene there
+    double from_ = 0.0, to_ = 0.0;               ///< values of the parameter
+    std::vector<scene::PointLoad> first_, last_; ///< loads there
     std::string failure_;
 };
 

@@ -210,10 +210,13 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         if (out.failure = loads->failure(); !out.failure.empty())
             return out;
     }
-    std::optional<scene::Scene> scene = e.scene ? sceneOf(e, run, parameters, out.failure) : std::nullopt;
+    Parameters first = parameters; // a driven load starts with the first value of the drive
+    if (loads)
+        first.scene.push_back({e.scene->driveParameter, -1, e.runs[run].driveDisplacement.front()});
+    const std::optional<scene::Scene> scene = e.scene ? sceneOf(e, run, first, out.failure) : std::nullopt;
     if (!out.failure.empty())
         return out;
-    TestRig rig = scene ? TestRig(e, *std::move(scene), parameters, resolution)
+    TestRig rig = scene ? TestRig(e, *scene, parameters, resolution)
                         : TestRig(e, parameters, resolution, e.runs[run].specimenReversed);
     if (rig.failure().empty()) {
         const effects::Model common = effects::modelFor(parameters.effects, "all");

@@ -261,7 +261,7 @@ void TestRig::addSpecimen(const Specimen& s, const SpecimenParameters& own, cons
 /// Lets standing specimens settle (backward Euler with long steps); clamped ones are in equilibrium.
 void TestRig::settle() {
     world_.dtNext = kFirstStep * units_.settling;
-    if (!move(0.0, settlingTime(), {}))
+    if (!move(0.0, kRest * units_.settling, {}))
         return;
     step::restEffects(world_);
     start_ = world_.time;
@@ -269,10 +269,6 @@ void TestRig::settle() {
 
 double TestRig::nextStep() const {
     return std::min(world_.dtNext, stepper_.settings().dtMax);
-}
-
-double TestRig::settlingTime() const {
-    return kRest * units_.settling;
 }
 
 double TestRig::StepSizeHold::longestStep(double time, double most) {

@@ -20,7 +20,7 @@ public:
 
     /// The same of a scene with shells, `scene` with the values of the parameters of a run. Its shells start as the
     /// scene places them and settle.
-    TestRig(const experiment::Experiment& experiment, scene::Scene scene, const Parameters& parameters,
+    TestRig(const experiment::Experiment& experiment, const scene::Scene& scene, const Parameters& parameters,
             const Resolution& resolution);
 
     /// Why the set-up cannot be simulated; empty: it can.
@@ -36,8 +36,6 @@ public:
 
     /// Size of the coming step, if nothing cuts it, s.
     [[nodiscard]] double nextStep() const;
-    /// How long standing specimens take to settle, s.
-    [[nodiscard]] double settlingTime() const;
     /// Time since the start of the run, s.
     [[nodiscard]] double time() const { return world_.time - start_; }
     /// Travel of the crosshead since then, positive in the direction of the machine, m.
@@ -65,8 +63,8 @@ public:
     /// Largest present change of curvature from the natural one, 1/m.
     [[nodiscard]] double bend() const;
     [[nodiscard]] const experiment::NaturalUnits& units() const { return units_; }
-    /// Changes the loads to those of `scene`, which differs in nothing else.
-    void setLoads(const scene::Scene& scene);
+    /// Replaces the loads. @param before the start, when released loads still act
+    void setLoads(const std::vector<scene::PointLoad>& loads, bool before);
     [[nodiscard]] const step::Counters& counters() const { return world_.counters; }
 
 private:
@@ -117,7 +115,8 @@ private:
     double lastDisplacement_ = 0.0; ///< m
     double forceScale_ = 0.0;       ///< largest mean force so far, N
     double start_ = 0.0;
-    double halfString_ = 0.0; ///< m, of a strung bow
+    double halfString_ = 0.0;        ///< m, of a strung bow
+    std::vector<std::string> names_; ///< of the shells of a scene
     bool inMotion_ = false;
     double motionStep_ = 0.0;       ///< s, longest step in motion
     bool ring_ = false;             ///< the specimen is closed

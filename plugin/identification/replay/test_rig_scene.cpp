@@ -95,7 +95,8 @@ bool squeezes(const scene::Scene& s) {
 
 } // namespace
 
-TestRig::TestRig(const experiment::Experiment& e, scene::Scene scene, const Parameters& p, const Resolution& resolution)
+TestRig::TestRig(const experiment::Experiment& e, const scene::Scene& scene, const Parameters& p,
+                 const Resolution& resolution)
     : units_(experiment::unitsOfSpecimens(e)), resolution_(resolution.in(units_)), stepper_(step::Settings{}) {
     if (failure_ = checkEffects(p, e); !failure_.empty())
         return;
@@ -117,6 +118,7 @@ TestRig::TestRig(const experiment::Experiment& e, scene::Scene scene, const Para
     if (!failure_.empty())
         return;
     chooseSettings(own);
+    setLoads(scene.loads, scene.starts_at_rest);
     // A machine moves slowly; what nothing drives vibrates, unless the scene says that only rest counts.
     inMotion_ = !scene.numerics.quasi_static.value_or(scene.protocol.has_value() || e.scene->driven);
     if (inMotion_ && !scene.starts_at_rest) {
@@ -124,12 +126,10 @@ TestRig::TestRig(const experiment::Experiment& e, scene::Scene scene, const Para
         return;
     }
     const bool moves = std::exchange(inMotion_, false);
-    setLoads(scene);
     settle();
     if (!moves)
         return;
-    scene.starts_at_rest = false; // what was released is gone
-    setLoads(scene);
+    setLoads(scene.loads, false);
     for (step::Rod& rod : world_.rods) {
         rod.v.setZero();
         step::refreshRod(rod);
@@ -137,18 +137,17 @@ TestRig::TestRig(const experiment::Experiment& e, scene::Scene scene, const Para
     setInMotion();
 }
 
-void TestRig::setLoads(const scene::Scene& scene) {
-    for (std::size_t i = 0; i < scene.shells.size(); ++i) {
+void TestRig::setLoads(const std::vector<scene::PointLoad>& loads, bool before) {
+    for (std::size_t i = 0; i < world_.rods.size(); ++i) {
         step::Rod& rod = world_.rods[i];
         rod.forces.clear();
-        for (const scene::PointLoad& load : scene.loads) {
-            if (load.shell != scene.shells[i].name || (load.released && !scene.starts_at_rest))
+        for (const scene::PointLoad& load : loads) {
+            if (load.shell != names_[i] || (load.released && !before))
                 continue;
             step::AppliedForce force;
             force.s = load.arc_fraction * rod.model.definition().length;
             force.force = {load.force.x, load.force.y};
             force.torque = load.moment;
-            force.key = world_.nextPart++;
             rod.forces.push_back(force);
         }
     }
@@ -222,6 +221,7 @@ void TestRig::addShells(const scene::Scene& scene, const Parameters& p) {
         rod.width = described.width;
         rod.dampingRatio = described.damping_ratio;
         step::setEffects(world_, index, extra);
+        names_.push_back(described.name);
     }
 }
 

@@ -167,6 +167,23 @@ TEST_CASE("a released cantilever vibrates with its own frequency and damping", "
           Approx(2.0 * M_PI * ratio / std::sqrt(1.0 - ratio * ratio)).epsilon(0.02));
 }
 
+TEST_CASE("a load acts on a scene in motion that starts as it is placed", "[replay][rods]") {
+    // Free fall in reverse: a strip without gravity, pushed at its middle by F, moves by F t^2 / (2 m) as a whole.
+    const test::Folder folder;
+    folder.write("run.csv", "time_s,y_mm\n0,0\n0.2,1\n");
+    folder.write("scene.json", R"({"schema": "supercircle-scene/1", "duration": 1, "gravity": 0,
+        "shell": [{"name": "s", "radius": "infinite", "length": 0.1, "thickness": 0.002, "elements": 8}],
+        "load": [{"shell": "s", "force_N": {"x": 1e-4, "y": 0}}],
+        "observe": [{"name": "x", "of": "shell", "shell": "s", "arc_fraction": 0.5, "quantity": "x"}]})");
+    const std::string file = folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene",
+        "scene": "scene.json", "channels": [{"observe": "x", "column": "y_mm"}], "runs": [{"file": "run.csv"}]})");
+    const auto e = experiment::load(file);
+    INFO(e.error());
+    REQUIRE(e);
+    const double mass = 1270.0 * 0.01 * 0.002 * 0.1;
+    CHECK(played(*e).readings.force.back() == Approx(0.5 * 1e-4 / mass * 0.04).epsilon(1e-6)); // along the strip: rigid
+}
+
 TEST_CASE("scenes with shells that experiments cannot simulate are refused with the reason", "[replay][rods]") {
     const test::Folder folder;
     folder.write("run.csv", "time_s,y_mm\n0,0\n1,1\n");

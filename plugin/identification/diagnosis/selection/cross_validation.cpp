@@ -295,6 +295,17 @@ FoldFit fitToTraining(Evaluator& evaluator, const Likelihood& likelihood, const 
 
 } // namespace
 
+void addHeldOut(const Grouping& g, const Eigen::VectorXd& held, const Eigen::VectorXd& e,
+                const Eigen::VectorXd& maskPenalty, double volume, PredictiveScore& score) {
+    for (Index k = 0; k < e.size(); ++k)
+        if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0 && held[k] > 0.0) {
+            score.energy[b] += e[k] * e[k] + maskPenalty[k];
+            score.volume[b] += volume;
+            score.rows[b] += 1.0;
+            score.error[k] = e[k];
+        }
+}
+
 PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood, const Grouping& g,
                               const FitResult& fitted) {
     if (g.forward)
@@ -338,13 +349,7 @@ PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood
                     out.identifiedOnlyBy[static_cast<std::size_t>(mostMoved(v, at.x - best.x, prior))] = f;
             }
         }
-        for (Index k = 0; k < e.size(); ++k)
-            if (const int b = g.block[static_cast<std::size_t>(k)]; b >= 0 && held[k] > 0.0) {
-                out.energy[b] += e[k] * e[k] + at.maskPenalty[k];
-                out.volume[b] += logDet / rows;
-                out.rows[b] += 1.0;
-                out.error[k] = e[k];
-            }
+        addHeldOut(g, held, e, at.maskPenalty, logDet / rows, out);
         forceRmse(likelihood, at.responses, &g, f, &chiSquared, &count);
     }
     out.forceRmse = count > 0.0 ? std::sqrt(chiSquared / count) : 0.0;

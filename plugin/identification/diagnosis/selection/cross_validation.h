@@ -49,6 +49,10 @@ struct PredictiveScore {
 Eigen::MatrixXd priorPrecision(const Variables& variables);
 /// Replaces e by (1 + A A')^(-1/2) e and returns log det(1 + A A').
 double standardise(const Eigen::MatrixXd& A, Eigen::VectorXd& e);
+/// Adds the held-out rows of a fold to a score. @param held 1 for these rows, else 0 @param e their standardised error
+/// @param volume log determinant of its covariance, a row
+void addHeldOut(const Grouping& grouping, const Eigen::VectorXd& held, const Eigen::VectorXd& e,
+                const Eigen::VectorXd& maskPenalty, double volume, PredictiveScore& score);
 
 PredictiveScore crossValidate(Evaluator& evaluator, const Likelihood& likelihood, const Grouping& grouping,
                               const FitResult& fitted);

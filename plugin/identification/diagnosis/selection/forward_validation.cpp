@@ -117,15 +117,7 @@ PredictiveScore forwardValidate(Evaluator& evaluator, const Likelihood& likeliho
             before.cwiseProduct(fitted.residual).squaredNorm() - before.cwiseProduct(*residual).squaredNorm();
         const double whole = held.cwiseProduct(fitted.residual).squaredNorm() + std::max(0.0, gained);
         out.nonlinear += std::abs(e.squaredNorm() - whole) > kNonlinear ? 1 : 0;
-        const Eigen::VectorXd maskPenalty = likelihood.maskPenalty(at.responses);
-        for (Index k = 0; k < e.size(); ++k)
-            if (held[k] > 0.0) {
-                const int b = g.block[static_cast<std::size_t>(k)];
-                out.energy[b] += e[k] * e[k] + maskPenalty[k];
-                out.volume[b] += logDet / rows;
-                out.rows[b] += 1.0;
-                out.error[k] = e[k];
-            }
+        addHeldOut(g, held, e, likelihood.maskPenalty(at.responses), logDet / rows, out);
         forceRmse(likelihood, at.responses, &g, f, &chiSquared, &count);
     }
     out.forceRmse = count > 0.0 ? std::sqrt(chiSquared / count) : 0.0;

@@ -24,14 +24,25 @@ namespace supercircle::coulomb {
 Residual ResidualSum::result() const {
     SC_ASSERT(!(closing_ < 0.0) && !(held_ < 0.0) && !(impulse_ < 0.0), "sums of squares are not negative");
     const double scale = closing_ > 0.0 ? closing_ : held_;
+    // Rows that contradict each other have impulses of any size, beside which u_c / d_c is lost: F_c = r_c - r_c = 0.
+    // What cannot be told from round-off counts as error where it reaches the tolerance of the laboratory. Halved or
+    // doubled, impulses count that are half or twice as large; at a tenth of it those of a strip pressed lengthwise.
+    constexpr double kSeen = 1e-8;
+    constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
+    const bool blind = kRoundOff * kRoundOff * held_ > kSeen * kSeen * scale;
+    const double error = blind ? error_ + kRoundOff * kRoundOff * held_ : error_;
     Residual result;
-    if (error_ != 0.0) // also for NaN, which must not pass as solved
+    if (error != 0.0) // also for NaN, which must not pass as solved
         result.contactResidual =
-            error_ > 0.0 && scale > 0.0 ? std::sqrt(error_ / scale) : std::numeric_limits<double>::infinity();
+            error > 0.0 && scale > 0.0 ? std::sqrt(error / scale) : std::numeric_limits<double>::infinity();
     result.scale = scale;
     result.penetrationSpeed = penetration_;
     result.impulseError = std::sqrt(impulse_);
     result.speedError = std::sqrt(speed_);
+    if (blind) { // nothing excuses it
+        result.impulseError = std::max(result.impulseError, kRoundOff * std::sqrt(impulseSquares_));
+        result.speedError = std::max(result.speedError, kRoundOff * std::sqrt(speedSquares_));
+    }
     return result;
 }
 

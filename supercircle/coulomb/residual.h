@@ -45,9 +45,16 @@ public:
     double error() const { return error_; }
 
 private:
+    void addHeld(double square, double d) {
+        held_ += d * square;
+        impulseSquares_ += square;
+        speedSquares_ += d * d * square;
+    }
+
     double error_ = 0.0;
     double closing_ = 0.0;
     double held_ = 0.0;
+    double impulseSquares_ = 0.0, speedSquares_ = 0.0; ///< of the impulses
     double penetration_ = 0.0;
     double impulse_ = 0.0;
     double speed_ = 0.0;
@@ -62,7 +69,7 @@ inline void ResidualSum::add(double un, double ut, double qn, double qt, double 
     impulse_ = std::max(impulse_, square);
     speed_ = std::max(speed_, d * d * square);
     penetration_ = std::max(penetration_, -un);
-    held_ += d * (rn * rn + rt * rt);
+    addHeld(rn * rn + rt * rt, d);
     if (qn < 0.0)
         closing_ += (qn * qn + qt * qt) / d;
 }
@@ -76,7 +83,7 @@ inline void ResidualSum::addBilateral(double un, double ut, double qn, double qt
     impulse_ = std::max(impulse_, square);
     speed_ = std::max(speed_, d * d * square);
     penetration_ = std::max({penetration_, std::abs(un), locked ? std::abs(ut) : 0.0});
-    held_ += d * (rn * rn + rt * rt);
+    addHeld(rn * rn + rt * rt, d);
     closing_ += (qn * qn + (locked ? qt * qt : 0.0)) / d;
 }
 

@@ -24,8 +24,8 @@ Pose poseAfter(const World& world, const Target& target, double ahead);
 /// Moves the target on by a step.
 void advanceTarget(const World& world, double dt, Hold& hold);
 void advanceTarget(const World& world, double dt, Target& target);
-/// Gives pending goals the time of the coming frame.
-void startPaths(World& world, double frame);
+/// Gives pending goals the time that they are reached in, s.
+void startPaths(World& world, double time);
 /// How far the held points of a rod may come in the coming frame, m. Those that the crosshead carries are left out.
 [[nodiscard]] double wayOfHolds(const Rod& rod, double frame);
 /// Ends the motion of held points in the coming frame where they would enter a body that cannot yield.

@@ -26,7 +26,7 @@ struct Target {
     Vec2 velocity = Vec2::Zero(); ///< m/s
     double spin = 0.0;            ///< rad/s
     Path path;                    ///< rules while it is active
-    bool pending = false;         ///< `path` holds a goal (to*) for the coming frame, which gives it its times
+    bool pending = false;         ///< `path` holds a goal (to*); the coming frame gives it its times
     [[nodiscard]] bool moving() const { return path.active || pending || !velocity.isZero(0.0) || spin != 0.0; }
 };
 

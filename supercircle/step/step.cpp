@@ -15,7 +15,7 @@ void beginFrame(World& world, const Settings& s, double frame, Port* port, bool 
     if (port)
         timed(times, Stage::ReadHost,
               [&] { readHost(world, *port, s, frame, nearOnly, reading); }); // bodies and outlines near by
-    timed(times, Stage::Drive, [&] { drive(world, frame); });                // velocities and paths that are given
+    timed(times, Stage::Drive, [&] { drive(world, s, frame); });             // velocities and paths that are given
     refreshDamping(world, s);
     reviewOverlaps(world, true); // pairs that cross, as the host has put things
 }

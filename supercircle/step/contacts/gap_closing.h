@@ -13,6 +13,8 @@
 
 namespace supercircle::step {
 
+struct Settings;
+
 struct GapClosing {
     double speed = 0.0; ///< m/s
 
@@ -30,6 +32,11 @@ struct GapClosing {
 /// With half of it, shells that were put into each other may bring in four times the energy; twice as much closes what
 /// short steps make half as fast. With this value no quasi-static run of the golden list changes.
 constexpr double kShortStep = 1.0 / 64.0;
+
+/// That size, s; 0: steps have a given size. A way that is given without a velocity (a held point's target, a body
+/// put somewhere else) takes as long at least: a shorter frame goes its share of it. Over 1 ps, 2 mm are six times the
+/// speed of light, and a step that long keeps no law.
+[[nodiscard]] double shortStep(const Settings& settings);
 
 /// How fast overlaps close that steps make themselves, and others.
 struct OverlapClosing {

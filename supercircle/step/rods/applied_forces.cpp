@@ -28,10 +28,10 @@ Pose along(const Path& p, double time) {
             da * p.fromAngle + db * p.fromSpin + dc * p.toAngle + dd * p.toSpin};
 }
 
-void start(const World& world, double frame, const Pose& now, Path& path) {
+void start(const World& world, double time, const Pose& now, Path& path) {
     path.active = true;
     path.start = world.time;
-    path.end = world.time + frame;
+    path.end = world.time + time;
     path.from = now.point;
     path.fromVelocity = now.velocity;
     path.fromAngle = now.angle;
@@ -94,11 +94,11 @@ void advanceTarget(const World& world, double dt, Target& t) {
     t.path.active = t.path.active && !over(world, t.path, dt);
 }
 
-void startPaths(World& world, double frame) {
+void startPaths(World& world, double time) {
     const auto go = [&](const Pose& now, Target& target) {
         if (!target.pending)
             return;
-        start(world, frame, now, target.path);
+        start(world, time, now, target.path);
         target.pending = false;
     };
     for (Rod& r : world.rods)

@@ -1,6 +1,7 @@
 // Stage ReadHost: gravity, bodies near the shells, their outlines and constraints, before the first step of a frame.
 
 #include "supercircle/step/carry_along.h"
+#include "supercircle/step/contacts/gap_closing.h"
 #include "supercircle/step/coupling/host_coupling.h"
 #include "supercircle/step/coupling/sleeping_bodies.h"
 #include "supercircle/step/islands/reach.h"
@@ -78,9 +79,9 @@ bool anchored(const World& world, BodyId id, Body& b) {
 }
 
 /// A body without mass that its user put somewhere else, no farther than its size, without giving it a velocity for
-/// that: it goes there in the coming frame, and pushes what is in its way. A longer way is a jump. Ways of a fiftieth
-/// of a thickness are the host's rounding.
-void followPlacement(const Body& old, double frame, double thickness, double reach, Body& b) {
+/// that: it goes there within `time` s, and pushes what is in its way. A longer way is a jump. Ways of a fiftieth of a
+/// thickness are the host's rounding.
+void followPlacement(const Body& old, double time, double thickness, double reach, Body& b) {
     const Vec2 way = b.state.centre - old.state.centre;
     const double turn = b.state.angle - old.state.angle;
     const double far = way.norm() + std::abs(turn) * reach;
@@ -88,8 +89,8 @@ void followPlacement(const Body& old, double frame, double thickness, double rea
         return;
     b.state.centre = old.state.centre;
     b.state.angle = old.state.angle;
-    b.state.velocity += way / frame;
-    b.state.spin += turn / frame;
+    b.state.velocity += way / time;
+    b.state.spin += turn / time;
 }
 
 /// Thickness of the thinnest shell that may come near a body in the coming frame, m; of all shells if none can.
@@ -148,7 +149,7 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
             if (b.driven && old.driven)
                 b.state = old.state;
             else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic && !isIn(reading.jumped, id))
-                followPlacement(old, frame, b.thicknessNear, reach, b);
+                followPlacement(old, std::max(frame, shortStep(settings)), b.thicknessNear, reach, b);
             b.force = old.force;
             b.woken = old.woken;
             b.stillTime = old.stillTime;

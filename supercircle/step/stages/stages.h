@@ -41,7 +41,7 @@ bool readAgain(World& world, const Port& port, const Settings& settings, double 
                HostReading& reading);
 
 /// Drive: velocities of the crosshead's bodies, paths of held points.
-void drive(World& world, double frame);
+void drive(World& world, const Settings& settings, double frame);
 
 /// Detect: candidates at the start of the step, if the known ones do not reach far enough for it.
 void detectAtStart(const World& world, const Settings& settings, TrialStep& t);

@@ -56,6 +56,24 @@ TEST_CASE("contact residual of a particle on the floor, by hand") {
     CHECK(zero.impulseError == Approx(std::sqrt(3.2)).epsilon(1e-14));
 }
 
+TEST_CASE("rows that contradict each other are no solution, however large the impulses") {
+    // Floor and ceiling both close at 1 m/s on a point mass of 2 kg. Beside 1e20 N s the speeds are lost: r - r = 0.
+    Problem problem = particle(2.0, 0.0, 0.0, 0.0);
+    problem.contacts.push_back(problem.contacts[0]);
+    problem.contacts[1].Ha.row(0) *= -1.0;
+    for (Contact& c : problem.contacts)
+        c.w.x() = -1.0;
+    for (const double r : {0.0, 1.0, 1e6, 1e9, 1e14, 1e20, 1e50})
+        CHECK(evaluateResidual(problem, Eigen::Vector4d(r, 0.0, r, 0.0)).contactResidual > 1e-8);
+    Solver solver;
+    for (const double r : {0.0, 1e14, 1e50}) {
+        problem.r0 = Eigen::Vector4d(r, 0.0, r, 0.0);
+        Eigen::VectorXd found;
+        std::vector<Eigen::VectorXd> velocity;
+        CHECK_FALSE(solver.solve(problem, SolverOptions{}, found, velocity).converged);
+    }
+}
+
 TEST_CASE("no contact closes") {
     const Problem problem = particle(2.0, 3.0, 1.0, 0.5);
     CHECK(evaluateResidual(problem, Eigen::Vector2d::Zero()).contactResidual == 0.0);

@@ -52,10 +52,11 @@ struct Reaction {
     double torque = 0.0; ///< on the shell's section at that point, N m; clamps and welds only
 };
 
-/// Target of a held point at the end of the coming frame, and its velocity from then on. Within the frame the point
-/// follows a cubic that begins with its present velocity. Targets sampled frame by frame from a smooth motion therefore
-/// give a smooth motion. Without a new target the point goes on straight. It stops where it meets a static or kinematic
-/// body (FrameEvents::hold_blocked).
+/// Target of a held point at the end of the coming frame, and its velocity from then on. A frame shorter than 1/64 of
+/// the longest step goes its share of the way, and the next ones the rest. Within the frame the point follows a cubic
+/// that begins with its present velocity. Targets sampled frame by frame from a smooth motion therefore give a smooth
+/// motion. Without a new target the point goes on straight. It stops where it meets a static or kinematic body
+/// (FrameEvents::hold_blocked).
 struct TargetDef {
     Point position{};   ///< m
     double angle = 0.0; ///< of the tangent, rad, not modulo 2 pi: start from Shells::target; clamps only

@@ -25,9 +25,10 @@ Residual ResidualSum::result() const {
     SC_ASSERT(!(closing_ < 0.0) && !(held_ < 0.0) && !(impulse_ < 0.0), "sums of squares are not negative");
     const double scale = closing_ > 0.0 ? closing_ : held_;
     // Rows that contradict each other have impulses of any size, beside which u_c / d_c is lost: F_c = r_c - r_c = 0.
-    // What cannot be told from round-off counts as error where it reaches the tolerance of the laboratory. Halved or
-    // doubled, impulses count that are half or twice as large; at a tenth of it those of a strip pressed lengthwise.
-    constexpr double kSeen = 1e-8;
+    // What cannot be told from round-off counts as error where it reaches the residual above which nothing is solved.
+    // Halved or doubled, impulses count that are half or twice as large. At 1e-8 those count that stop a clamp in a
+    // frame, at 1e-9 those of a strip pressed lengthwise; contradictions have impulses ten orders above either.
+    constexpr double kSeen = 1e-3;
     constexpr double kRoundOff = std::numeric_limits<double>::epsilon();
     const bool blind = kRoundOff * kRoundOff * held_ > kSeen * kSeen * scale;
     const double error = blind ? error_ + kRoundOff * kRoundOff * held_ : error_;

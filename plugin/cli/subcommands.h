@@ -32,6 +32,7 @@ struct ReplayArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
     std::vector<std::string> effects;    ///< KEY:NAME=VALUE
+    std::string with, carry;             ///< diagnosis.json, or diagnosis.json:LABEL; at most one
     std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_replay
     int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
     bool coarse = false;                 ///< the quick resolution

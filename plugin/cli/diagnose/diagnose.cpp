@@ -8,6 +8,7 @@
 
 #include "plugin/identification/diagnosis/diagnose.h"
 #include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/diagnosis/result/stored_fits.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/rounded.h"
@@ -93,7 +94,7 @@ std::string cacheName(std::vector<std::string> without) {
 }
 
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment,
-                          const OutputFolder& folder, std::string& error) {
+                          const OutputFolder& folder, replay::StoredFits& fits, std::string& error) {
     const auto begin = std::chrono::steady_clock::now();
     const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
     if (interrupted) { // the model is incomplete
@@ -117,6 +118,8 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experime
     diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::recordedDataOf(experiment), evaluator, settings);
     found.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     found.cpuSeconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC; // of the program, reading included
+    if (!found.stopped && found.failure.empty())
+        fits = diagnosis::storedFitsOf(model, experiment, found);
     if (const std::string lost = cache.failure(); !lost.empty())
         std::fprintf(stderr, "%s; later simulations are not cached and would be repeated by the next diagnosis\n",
                      lost.c_str());
@@ -137,7 +140,8 @@ int diagnose(const DiagnoseArguments& a) {
         return kCannotWrite;
     }
     std::string error;
-    const diagnosis::Diagnosis d = work(a, *experiment, folder, error);
+    replay::StoredFits fits;
+    const diagnosis::Diagnosis d = work(a, *experiment, folder, fits, error);
     if (!error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;
@@ -158,7 +162,7 @@ int diagnose(const DiagnoseArguments& a) {
     auto pictures = diagnosisPictures(d);
     const std::string pictureError = pictures.error();
     std::vector<record::NamedText> files = pictures ? *std::move(pictures) : std::vector<record::NamedText>{};
-    files.emplace_back("diagnosis.json", diagnosisJson(d));
+    files.emplace_back("diagnosis.json", diagnosisJson(d, fits));
     files.emplace_back("report.html", diagnosisPage(d, *experiment));
     std::string why = record::writeAtomically(folder.path(), files).error();
     if (why.empty())

@@ -148,6 +148,15 @@ Subcommand describeReplay(CLI::App& app) {
     addAllowOutside(*replay);
     addParameters(*replay, a.parameters, kExperimentParameterHelp);
     addEffects(*replay, a.effects);
+    CLI::Option* with = replay->add_option("--with", a.with,
+                                           "repeat a fit of a diagnosis of this experiment: the drawn one, that of an "
+                                           "effect, or :nothing");
+    with->type_name("diagnosis.json[:LABEL]");
+    replay
+        ->add_option("--carry", a.carry,
+                     "take the law that a diagnosis of another specimen found, restated for this section")
+        ->type_name("diagnosis.json[:LABEL]")
+        ->excludes(with);
     replay->add_option("--out", a.out, "folder for the results (default: out/<name of the experiment's folder>_replay)")
         ->type_name("DIR");
     replay->add_option("--elements", a.elements, "arcs per specimen, 2 to 500 (default: set by the fidelity)")

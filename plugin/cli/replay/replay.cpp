@@ -2,8 +2,10 @@
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/replay/experiment_input.h"
+#include "plugin/cli/replay/taken_fit.h"
 #include "plugin/cli/subcommands.h"
 #include "plugin/identification/replay/free_scales.h"
+#include "plugin/identification/replay/stored_fit.h"
 #include "plugin/pages/replay/replay_page.h"
 
 #include "plugin/recording/experiment/load.h"
@@ -27,6 +29,8 @@ bool prepare(const ReplayArguments& a, Replay& out) {
     out.resolution = a.coarse ? replay::Resolution::coarse() : replay::Resolution::fine();
     if (a.elements > 0)
         out.resolution.elements = a.elements;
+    if (!takeFit(a, out))
+        return false;
     std::vector<scene::Override> overrides;
     if (!readOverrides(a.parameters, overrides))
         return false;
@@ -54,13 +58,7 @@ Json effectsOn(const replay::Parameters& parameters) {
         const effects::Effect& effect = effects::catalog()[static_cast<std::size_t>(s.key)];
         if (effects::isOff(s))
             continue;
-        Json& one = out[effect.name];
-        one["shell"] = s.shell;
-        for (std::size_t i = 0; i < effect.parameters.size(); ++i)
-            if (const effects::Parameter& p = effect.parameters[i]; !p.choices.empty())
-                one[p.name] = p.choices[static_cast<std::size_t>(s.values[i])];
-            else if (std::isfinite(s.values[i]))
-                one[p.name] = s.values[i];
+        out[effect.name] = replay::jsonOf(s);
     }
     return out;
 }
@@ -167,6 +165,23 @@ Json summaryOf(const ReplayedRun& run) {
     return json;
 }
 
+/// Where parameters and effects come from.
+Json takenOf(const TakenFit& taken, const experiment::Channel& channel) {
+    Json json = {{"diagnosis", taken.file}, {"label", taken.label}};
+    if (!taken.carried)
+        return json;
+    const std::string unit = std::string("_") + channel.unit;
+    json["notes"] = taken.notes;
+    if (!taken.score)
+        return json;
+    const diagnosis::LawScore& s = *taken.score;
+    json["without"] = {{"training_rmse" + unit, s.rmseWithout}, {"heldout_rmse" + unit, s.heldOutWithout}};
+    json["with"] = {{"training_rmse" + unit, s.rmseWith}, {"heldout_rmse" + unit, s.heldOutWith}};
+    json["heldout_gain"] = s.gain;
+    json["heldout_gain_error"] = s.gainError;
+    return json;
+}
+
 std::string summary(const Replay& replay) {
     Json parameters = Json::object(), runs = Json::array();
     for (const replay::ParameterInfo& info : replay::parameterList(replay.experiment))
@@ -176,15 +191,18 @@ std::string summary(const Replay& replay) {
                                                : summaryOf(run));
     const experiment::NaturalUnits units = replay::naturalUnits(replay.experiment);
     const replay::ExclusionWindow w = replay::ExclusionWindow{}.in(units);
-    const Json json = {{"experiment", replay.experiment.file},
-                       {"protocol", experiment::name(replay.experiment.protocol)},
-                       {"elements", replay.resolution.elements},
-                       {"position_tolerance_m", replay.resolution.in(units).positionTolerance},
-                       {"parameters", parameters},
-                       {"effects", effectsOn(replay.parameters)},
-                       {"excluded_before_landmark_s", w.before},
-                       {"excluded_after_landmark_s", w.after},
-                       {"runs", runs}};
+    Json json = {{"experiment", replay.experiment.file},
+                 {"protocol", experiment::name(replay.experiment.protocol)},
+                 {"elements", replay.resolution.elements},
+                 {"position_tolerance_m", replay.resolution.in(units).positionTolerance},
+                 {"parameters", parameters},
+                 {"effects", effectsOn(replay.parameters)},
+                 {"excluded_before_landmark_s", w.before},
+                 {"excluded_after_landmark_s", w.after},
+                 {"runs", runs}};
+    if (replay.taken)
+        json[replay.taken->carried ? "carried" : "with"] =
+            takenOf(*replay.taken, experiment::channel(replay.experiment));
     return record::jsonText(json) + "\n";
 }
 
@@ -236,6 +254,19 @@ void print(const Replay& replay, const std::string& folder) {
                         1e3 * c.simulated[j].displacement);
         std::printf("\n");
     }
+    if (replay.taken && replay.taken->carried) {
+        const TakenFit& t = *replay.taken;
+        for (const std::string& note : t.notes)
+            std::printf("%s\n", note.c_str());
+        if (t.score)
+            std::printf(
+                "%s, carried: with the stated numbers fitted, the held-out error is %.3g %s without the law and "
+                "%.3g %s with it (gain %.1f +- %.1f)\n",
+                t.label.c_str(), t.score->heldOutWithout, unit, t.score->heldOutWith, unit, t.score->gain,
+                t.score->gainError);
+        else
+            std::printf("%s, carried: no score, %s\n", t.label.c_str(), t.failure.c_str());
+    }
     std::printf("results: %s/replay.json, run files; pictures: %s/replay.html\n", folder.c_str(), folder.c_str());
 }
 
@@ -255,6 +286,7 @@ int replay(const ReplayArguments& a) {
         return kCannotWrite;
     }
     simulateRuns(replay, a.quiet);
+    scoreCarriedLaw(replay, a.quiet);
     if (const std::string error = writeAll(replay, folder.path()); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

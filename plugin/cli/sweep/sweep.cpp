@@ -13,6 +13,7 @@
 #include "plugin/lab/sweep/workers.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/scene/loader/document.h"
+#include "supercircle/support/hash.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -45,12 +46,10 @@ std::string hostName() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// Version and checksum (FNV-1a) of this program: results are bitwise identical for the same program only.
+/// Version and check sum of this program: results are bitwise identical for the same program only.
 std::string buildName() {
-    std::uint64_t h = 14695981039346656037ULL;
-    if (const auto program = record::readText("/proc/self/exe"))
-        for (const char c : *program)
-            h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    const auto program = record::readText("/proc/self/exe");
+    const std::uint64_t h = program ? checkSum(*program) : kHashStart64;
     char text[64];
     std::snprintf(text, sizeof text, "%s %016llx", SC_VERSION, static_cast<unsigned long long>(h));
     return text;

@@ -566,6 +566,7 @@ void Procedure::proposeNextExperiment() {
 }
 
 void Procedure::present() {
+    out_.baseline = baseline_.point;
     out_.nominal = presentNominal(evaluator_.model(), baseline_);
     out_.batch = presentBatch(evaluator_.model(), *likelihood_,
                               out_.improved ? hypotheses_[entries_.front().model].fit : baseline_);

@@ -3,14 +3,18 @@
 
 #include "plugin/identification/diagnosis/model/candidate_effects.h"
 #include "plugin/identification/diagnosis/model/model.h"
-#include "plugin/identification/replay/parameters.h"
+#include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/experiment.h"
 
 #include <atomic>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::diagnosis {
+
+/// Readings of a simulated run; not a number after the end of a simulation.
+Response responseOf(const experiment::Experiment& experiment, std::size_t run, const replay::Simulated& simulated);
 
 class ReplayModel final : public Model {
 public:
@@ -34,14 +38,20 @@ public:
                                                             const std::atomic<bool>* interrupt) const override;
     [[nodiscard]] std::string identity() const override;
 
+    /// Lets effects act in all simulations, with these values.
+    void fix(std::vector<effects::Setting> effects) { fixed_ = std::move(effects); }
+    /// The parameters of a point, or an error text. Learned laws of the reading have none.
+    [[nodiscard]] std::string parametersAt(const ParameterPoint& point, replay::Parameters& parameters) const;
+    /// Why the parameters of a point do not give its readings; empty: they do.
+    [[nodiscard]] std::string withoutParameters(const ParameterPoint& point) const;
+
 private:
-    /// Sets the parameters of a point; returns an error text or nothing.
     void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Eigen::VectorXd& force) const;
     [[nodiscard]] std::string setNominal(replay::Parameters& parameters, std::size_t index, double value) const;
-    [[nodiscard]] std::string parametersAt(const ParameterPoint& point, replay::Parameters& parameters) const;
 
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;
+    std::vector<effects::Setting> fixed_;
     std::vector<BatchFactor> batch_;
     CandidateEffects candidateEffects_;
     std::vector<std::size_t> replicates_;  ///< see replicateOf()

@@ -42,6 +42,7 @@ struct FittedEffect {
     double deltaChiSquared = 0.0;                 ///< decrease of chi-squared against the baseline, training
     double chiSquaredPerReading = 0.0;            ///< mean squared residual, training
     int starts = 0, startsAgreed = 0; ///< fits of free runs from different starts, and those that found this minimum
+    ParameterPoint point{};           ///< of its hypothesis
 };
 
 /// Screening result of a label.
@@ -64,6 +65,7 @@ struct LearnedLaw {
     double change = 0.0, changeSigma = 0.0; ///< change across that range, and its standard deviation
     double probability = 0.0, gain = 0.0, gainError = 0.0;
     double heldOutRmse = 0.0; ///< N
+    ParameterPoint point{};
 };
 
 struct NominalResult {
@@ -173,6 +175,7 @@ struct Diagnosis {
     double improvement = 0.0;
     Interval improvementCi{};
     double baselineChiSquaredPerReading = 0.0; ///< mean squared residual of the baseline
+    ParameterPoint baseline;                   ///< fitted, without an effect
     std::vector<NominalResult> nominal;
     std::vector<BatchResult> batch; ///< of the best hypothesis
     Homogeneity homogeneity;

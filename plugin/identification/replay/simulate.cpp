@@ -121,7 +121,15 @@ void readObserved(const Trace& trace, const Run& run, const effects::SensorModel
     }
 }
 
-void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& out) {
+/// Gain and drift of a load cell, which act on a reading at once: at its own time, not between steps.
+effects::SensorChain instantPart(effects::SensorModel sensor, const Run& run) {
+    sensor.delay = sensor.lag = 0.0;
+    effects::SensorChain chain(sensor);
+    chain.read(run.driveTime.front(), 0.0); // the drift begins with the test
+    return chain;
+}
+
+void read(const Trace& trace, const Experiment& e, const Run& run, const effects::SensorModel& sensor, Simulated& out) {
     const std::vector<double>& times = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
     std::vector<double> forceTimes;
     for (const ForceSample& reading : trace.forces)
@@ -130,10 +138,11 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     experiment::Readings& r = out.readings;
     double sum = 0.0;
     std::size_t count = 0;
+    effects::SensorChain rows = instantPart(sensor, run), steps = rows;
     for (std::size_t k = 0; k < at.row.size(); ++k) {
         r.time.push_back(times[k]);
         r.displacement.push_back(experiment::commanded(run, times[k]));
-        r.force.push_back(at.at(k, [&](std::size_t i) { return trace.forces[i].force; }));
+        r.force.push_back(rows.read(times[k], at.at(k, [&](std::size_t i) { return trace.forces[i].force; })));
         if (times[k] < times.front() + e.sensors.forceZeroWindow) {
             sum += r.force.back();
             ++count;
@@ -145,7 +154,7 @@ void read(const Trace& trace, const Experiment& e, const Run& run, Simulated& ou
     for (const ForceSample& reading : trace.forces) {
         out.trace.time.push_back(reading.time);
         out.trace.displacement.push_back(experiment::commanded(run, reading.time));
-        out.trace.force.push_back(reading.force - out.forceZero);
+        out.trace.force.push_back(steps.read(reading.time, reading.force) - out.forceZero);
     }
     const std::vector<double> markerTimes =
         run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
@@ -227,11 +236,13 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         out.largestCurvatureChange = driven.largestCurvatureChange;
         trace.forces = despiked(trace.forces);
         withoutImpacts(trace.forces);
-        effects::SensorChain sensor(common.sensor);
-        if (common.sensor.on() && comparesForce(e))
-            for (ForceSample& reading : trace.forces)
-                reading.force = sensor.read(reading.time, reading.force);
-        read(trace, e, e.runs[run], out);
+        const effects::SensorModel cell = comparesForce(e) ? common.sensor : effects::SensorModel{};
+        effects::SensorModel remembers = cell; // delay and low pass
+        remembers.gain = remembers.drift = remembers.driftRate = 0.0;
+        effects::SensorChain sensor(remembers);
+        for (ForceSample& reading : trace.forces)
+            reading.force = sensor.read(reading.time, reading.force);
+        read(trace, e, e.runs[run], cell, out);
         if (!comparesForce(e))
             readObserved(trace, e.runs[run], common.sensor, out);
         for (experiment::Readings* rows : {&out.readings, &out.trace})

@@ -1,5 +1,7 @@
 #include "plugin/lab/sweep/slurm.h"
 
+#include "supercircle/support/hash.h"
+
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -86,11 +88,8 @@ ProgramOutput runCommand(const std::vector<std::string>& command) {
 }
 
 std::string arrayName(const std::string& folder) {
-    std::uint64_t h = 14695981039346656037ULL; // FNV-1a
-    for (const char c : folder)
-        h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
     char text[48];
-    std::snprintf(text, sizeof text, "supercircle-%016llx-", static_cast<unsigned long long>(h));
+    std::snprintf(text, sizeof text, "supercircle-%016llx-", static_cast<unsigned long long>(checkSum(folder)));
     return text;
 }
 

@@ -228,7 +228,7 @@ Json batchOf(const Diagnosis& d) {
 
 } // namespace
 
-std::string diagnosisJson(const Diagnosis& d) {
+std::string diagnosisJson(const Diagnosis& d, const replay::StoredFits& fits) {
     Json next = nullptr;
     if (d.next)
         next = nextOf(*d.next);
@@ -257,6 +257,8 @@ std::string diagnosisJson(const Diagnosis& d) {
                  {"seed", d.seed},
                  {"forward_runs", d.forwardRuns},
                  {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
+    if (!fits.fits.empty())
+        json["replay"] = replay::jsonOf(fits);
     if (!d.batch.empty())
         json["batch"] = batchOf(d);
     if (!d.forecast.runs.empty())

@@ -2,6 +2,7 @@
 // Result of the subcommand `diagnose` as a JSON file and a page.
 
 #include "plugin/identification/diagnosis/result.h"
+#include "plugin/identification/replay/stored_fit.h"
 #include "plugin/recording/experiment/experiment.h"
 
 #include <string>
@@ -9,7 +10,8 @@
 namespace supercircle::cli {
 
 /// diagnosis.json, schema supercircle-diagnosis/2.
-std::string diagnosisJson(const diagnosis::Diagnosis& diagnosis);
+/// @param fits for replays; without them the member "replay" is left out
+std::string diagnosisJson(const diagnosis::Diagnosis& diagnosis, const replay::StoredFits& fits = {});
 
 /// One self-contained HTML page.
 std::string diagnosisPage(const diagnosis::Diagnosis& diagnosis, const experiment::Experiment& experiment);

@@ -164,13 +164,32 @@ std::string parameterTable(const Replay& replay) {
     return html + "</table>";
 }
 
+/// Where parameters and effects come from, and how a carried law does.
+std::string takenParagraph(const TakenFit& t, const experiment::Channel& channel) {
+    const std::string of = "the fit \"" + graphics::escaped(t.label) + "\" of " + graphics::escaped(t.file);
+    if (!t.carried)
+        return "<p>Parameters and effects are those of " + of + ".</p>";
+    std::string html = "<p>The law is that of " + of + "; all other numbers are as stated.";
+    const std::string unit = std::string(" ") + channel.unit;
+    if (t.score)
+        html += " Where they are fitted inside their intervals, readings that are left out are met to " +
+                rounded(t.score->heldOutWith, 3) + unit + " with the law, and to " +
+                rounded(t.score->heldOutWithout, 3) + unit + " without it.";
+    html += "</p>";
+    for (const std::string& note : t.notes)
+        html += "<p>" + graphics::escaped(note) + ".</p>";
+    return html;
+}
+
 } // namespace
 
 Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
     using Files = std::vector<record::NamedText>;
     Files files;
     graphics::PageBuilder page("Replay of " + replay.experiment.file);
-    page.plainTables().introduction("<p>" + graphics::escaped(replay.experiment.description) + "</p>");
+    page.plainTables().introduction(
+        "<p>" + graphics::escaped(replay.experiment.description) + "</p>" +
+        (replay.taken ? takenParagraph(*replay.taken, experiment::channel(replay.experiment)) : std::string()));
     for (std::size_t k = 0; k < replay.runs.size(); ++k) {
         const ReplayedRun& run = replay.runs[k];
         if (run.comparison.residual.empty())

@@ -166,6 +166,17 @@ Eigen::VectorXd stacked(const experiment::MarkerTracks& tracks, std::size_t mark
 
 } // namespace
 
+Response responseOf(const experiment::Experiment& e, std::size_t run, const replay::Simulated& s) {
+    Response out;
+    out.failure = s.failure;
+    const experiment::Run& recorded = e.runs[run];
+    out.force = experiment::channel(e).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
+    out.jumps = vectorOf(replay::jumpTimes(s));
+    const std::size_t frames = recorded.markers.time.size();
+    out.markers = stacked(s.markers, frames > 0 ? e.markers.size() : 0, frames);
+    return out;
+}
+
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
                          const std::atomic<bool>* interrupt)
     : experiment_(e), nominal_(nominalOf(e)),
@@ -267,6 +278,7 @@ std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Param
     for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
         if (std::string why = setNominal(p, i, point.nominal[i]); !why.empty())
             return why;
+    p.effects = fixed_;
     for (const Term& t : point.terms) {
         const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];
         if (mapping.readingEffect != ReadingEffect::None && mapping.parameterAt.empty())
@@ -280,6 +292,14 @@ std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Param
             p.effects.push_back(setting);
     }
     return replay::checkEffects(p, experiment_);
+}
+
+std::string ReplayModel::withoutParameters(const ParameterPoint& point) const {
+    for (const Term& t : point.terms)
+        if (const EffectMapping& m = candidateEffects_.mappings[t.candidate];
+            m.readingEffect != ReadingEffect::None && m.parameterAt.empty())
+            return "a law of the reading that was learned from these runs is no effect of a replay";
+    return {};
 }
 
 std::vector<CandidateRun> ReplayModel::candidateRuns() const {
@@ -312,15 +332,7 @@ Response ReplayModel::simulate(std::size_t run, const ParameterPoint& point, Fid
     const replay::Resolution resolution = fidelity == Fidelity::Fine    ? replay::Resolution::fine()
                                           : fidelity == Fidelity::Finer ? replay::Resolution::finer()
                                                                         : replay::Resolution::coarse();
-    const replay::Simulated s = simulateWithin(experiment_, run, p, resolution, interrupt);
-    out.failure = s.failure;
-    const experiment::Run& recorded = experiment_.runs[run];
-    out.force =
-        experiment::channel(experiment_).perUnit * vectorOf(filled(s.readings.force, recorded.readings.time.size()));
-    out.jumps = vectorOf(replay::jumpTimes(s));
-    const std::size_t frames = recorded.markers.time.size();
-    out.markers = stacked(s.markers, frames > 0 ? experiment_.markers.size() : 0, frames);
-    return out;
+    return responseOf(experiment_, run, simulateWithin(experiment_, run, p, resolution, interrupt));
 }
 
 std::string ReplayModel::identity() const {

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/simulation_cache.h"
 
+#include "supercircle/support/hash.h"
+
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -12,14 +14,6 @@ namespace supercircle::diagnosis {
 namespace {
 
 constexpr char kMagic[] = "supercircle simulation cache 3\n";
-
-/// FNV-1a, G. Fowler, L. C. Noll, K.-P. Vo.
-std::uint64_t checkSum(const std::string& text) {
-    std::uint64_t h = 14695981039346656037ULL;
-    for (const char c : text)
-        h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-    return h;
-}
 
 void put(std::string& to, std::uint64_t v) {
     char raw[8];

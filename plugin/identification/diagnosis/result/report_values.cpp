@@ -23,6 +23,7 @@ FittedEffect presentEffect(const Model& model, const Likelihood& likelihood, con
     e.chiSquaredPerReading = chiSquaredPerReading(likelihood, t.fit);
     e.starts = t.starts;
     e.startsAgreed = t.agreed;
+    e.point = t.fit.point;
     const Variables v(model, t.fit.point);
     const std::vector<Index> atBound =
         t.learned ? std::vector<Index>{} : amplitudesAtBound(model, t.fit, std::max(1.0, e.chiSquaredPerReading));

@@ -70,6 +70,7 @@ std::vector<LearnedLaw> Ranking::learned() const {
         law.gain = weights_.gain[i];
         law.gainError = weights_.gainError[i];
         law.heldOutRmse = hypotheses_[i].held.forceRmse;
+        law.point = hypotheses_[i].fit.point;
         out.push_back(std::move(law));
     }
     std::stable_sort(out.begin(), out.end(), [](const LearnedLaw& a, const LearnedLaw& b) {

@@ -7,6 +7,7 @@
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/diagnosis/selection/carried_score.h"
 #include "plugin/identification/diagnosis/selection/law_variants.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
@@ -104,6 +105,28 @@ TEST_CASE("dry friction and quadratic drag of a pendulum are recovered", "[diagn
     CHECK(dry.fitted.chiSquared > 20.0 * both.fitted.chiSquared); // one of the two is not enough
     for (const WindowRows& spot : windowsOf(*dry.likelihood))
         CHECK(spot.window.channel == "angle"); // no force is read
+}
+
+TEST_CASE("a law that is carried to another specimen is scored on what is left out", "[diagnosis][free]") {
+    experiment::Experiment e = pendulum();
+    e.runs.pop_back();
+    replay::Parameters truth = replay::nominal(e);
+    REQUIRE(replay::set(truth, e, "length", 0.1225).empty());
+    REQUIRE(replay::set(truth, e, "air_drag:quadratic_N_s2_m3", 8e-3).empty());
+    record(e, truth, 6);
+    const auto score = scoreOfLaw(e, truth.effects, nullptr);
+    INFO(score.error());
+    REQUIRE(score);
+    // Noise of 0.084 degrees, and the clocks of recording and simulation may differ by a thousandth of a second.
+    CHECK(score->heldOutWith < 0.25);
+    CHECK(score->heldOutWithout > 20.0 * score->heldOutWith);
+    CHECK(score->gain > 0.0);
+    replay::Parameters wrong = truth;
+    REQUIRE(replay::set(wrong, e, "air_drag:quadratic_N_s2_m3", 24e-3).empty());
+    const auto other = scoreOfLaw(e, wrong.effects, nullptr);
+    REQUIRE(other);
+    CHECK(other->heldOutWith > 20.0 * score->heldOutWith);
+    CHECK(other->gain < 0.1 * score->gain);
 }
 
 TEST_CASE("a pendulum fit converges to one minimum from every start", "[diagnosis][free][slow]") {

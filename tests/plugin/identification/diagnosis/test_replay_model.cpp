@@ -2,6 +2,7 @@
 #include "plugin/identification/diagnosis/likelihood.h"
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/diagnosis/result/stored_fits.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/experiment/natural_units.h"
@@ -385,4 +386,42 @@ TEST_CASE("the discretisation correction of an arch is accurate to a hundredth",
     CHECK(most(without) > 5e-4); // otherwise there is no correction
     // The next order is (1/31)^2 of the first, about 1e-3, times a factor of order one.
     CHECK(most(with) < 0.01 * most(without));
+}
+
+TEST_CASE("a replay of a stored fit draws the curve of the diagnosis", "[diagnosis]") {
+    const auto loaded = experiment::load(std::string(SC_TEST_DATA) + "/recordings/baseline/case_101/experiment.json");
+    REQUIRE(loaded);
+    const experiment::Experiment& e = *loaded;
+    const ReplayModel model(e);
+    Diagnosis d;
+    d.improved = true;
+    for (const char* label : {"plasticity", "sensor_drift", "machine_compliance"}) {
+        const auto& all = model.candidates();
+        const auto at =
+            std::find_if(all.begin(), all.end(), [&](const CandidateEffect& c) { return c.label == label; });
+        FittedEffect f;
+        f.label = label;
+        for (const Scalar& s : model.nominal())
+            f.point.nominal.push_back(s.value + s.step / 7.0);
+        f.point.terms = {{static_cast<std::size_t>(at - all.begin()), at->probes.front()}};
+        d.effects.push_back(f);
+    }
+    d.baseline.nominal = d.effects[0].point.nominal;
+    const replay::StoredFits fits = storedFitsOf(model, e, d);
+    REQUIRE(fits.fits.size() == 4);
+    CHECK(fits.fits[0].drawn);
+    CHECK(fits.fits[3].label == replay::kNothing);
+    for (std::size_t i = 0; i < 4; ++i) {
+        INFO(fits.fits[i].label);
+        const ParameterPoint& point = i < 3 ? d.effects[i].point : d.baseline;
+        // As a fit is drawn: the simulation that it shares with others, then what acts on the reading alone.
+        Response drawn = model.simulate(0, model.simulated(0, point), Fidelity::Fine, nullptr);
+        model.read(0, point, drawn);
+        replay::Parameters p = replay::nominal(e);
+        REQUIRE(replay::setTo(fits.fits[i], e, p).empty());
+        const Response repeated = responseOf(e, 0, replay::simulate(e, 0, p, replay::Resolution::fine()));
+        const double peak = drawn.force.cwiseAbs().maxCoeff();
+        CHECK(peak > 0.01);
+        CHECK((drawn.force - repeated.force).cwiseAbs().maxCoeff() <= 1e-12 * peak);
+    }
 }

@@ -1,0 +1,146 @@
+// Fits of a diagnosis in a replay: repeated, or their law carried to another section.
+
+#include "plugin/identification/replay/stored_fit.h"
+#include "tests/plugin/identification/replay/support.h"
+#include "tests/support/folder.h"
+#include "tests/support/json.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+using namespace replaytest;
+using Catch::Contains;
+
+namespace {
+
+effects::Setting effect(const std::string& key, const std::vector<std::pair<std::string, double>>& values) {
+    effects::Setting s = effects::off(*effects::find(key));
+    for (const auto& [name, value] : values)
+        REQUIRE(effects::set(s, name, value).empty());
+    return s;
+}
+
+double valueOf(const replay::CarriedLaw& law, const std::string& key, const std::string& name) {
+    const effects::Effect& e = *effects::find(key);
+    for (const effects::Setting& s : law.effects)
+        for (std::size_t i = 0; i < e.parameters.size() && s.key == e.key; ++i)
+            if (e.parameters[i].name == name)
+                return s.values[i];
+    return std::nan("");
+}
+
+/// Writes a diagnosis.json with these fits.
+std::string written(const test::Folder& folder, const replay::StoredFits& fits) {
+    const std::string file = folder.path + "/diagnosis.json";
+    std::ofstream(file) << nlohmann::ordered_json{{"schema", "supercircle-diagnosis/2"},
+                                                  {"replay", replay::jsonOf(fits)}};
+    return file;
+}
+
+test::CommandResult replayed(const std::string& arguments) {
+    return test::start(std::string(SC_PROGRAM) + " replay " + arguments);
+}
+
+} // namespace
+
+TEST_CASE("a stored fit is read back to the last bit", "[replay]") {
+    const test::Folder folder;
+    const experiment::Experiment e = baseline(GENERATE(101, 103));
+    replay::Parameters p = replay::nominal(e);
+    for (const replay::ParameterInfo& info : replay::parameterList(e))
+        if (info.stated.halfWidth > 0.0)
+            REQUIRE(replay::set(p, e, info.name, info.stated.value + info.stated.halfWidth / 3.0).empty());
+    p.effects = {effect("plasticity", {{"My_over_B_1_m", 100.0 / 3.0}, {"hardening", 1.0}}),
+                 effect("sensor_drift", {{"a_N", 1.0 / 7.0}})};
+    replay::StoredFit fit = replay::storedFit(e, p);
+    fit.label = "plasticity";
+    fit.drawn = true;
+    const std::string file = written(folder, {replay::checkSumOf(e), {fit}});
+    const auto read = replay::readStoredFits(file);
+    INFO(read.error());
+    REQUIRE(read);
+    CHECK(read->checkSum == replay::checkSumOf(e));
+    const auto drawn = replay::fitCalled(*read, "");
+    REQUIRE(drawn);
+    replay::Parameters again = replay::nominal(e);
+    CHECK(replay::setTo(*drawn, e, again).empty());
+    CHECK(again.effects == p.effects);
+    for (const replay::ParameterInfo& info : replay::parameterList(e))
+        CHECK(replay::get(again, e, info.name) == replay::get(p, e, info.name));
+}
+
+TEST_CASE("the check sum is that of description and runs", "[replay]") {
+    experiment::Experiment e = baseline(101), other = e;
+    CHECK(replay::checkSumOf(e) == replay::checkSumOf(other));
+    other.runs[0].readings.force.back() += 1e-15;
+    CHECK(replay::checkSumOf(e) != replay::checkSumOf(other));
+    other = e;
+    other.text += " ";
+    CHECK(replay::checkSumOf(e) != replay::checkSumOf(other));
+}
+
+TEST_CASE("a law is restated for another section of the same material", "[replay]") {
+    // M / (w t^2) = g(kappa t): a section twice as thick and three times as wide, whose B is 3 * 8 times as large.
+    replay::StoredFit fit;
+    fit.label = "plasticity";
+    fit.section = {2e-4, 0.01, 1e-3};
+    fit.effects = {effect("plasticity", {{"My_over_B_1_m", 50.0}, {"H_over_B", 0.2}}),
+                   effect("nonlinear_elasticity", {{"uc_1_m", 80.0}}),
+                   effect("viscoelastic_bending", {{"eta_over_B_s", 0.5}}),
+                   effect("adhesion", {{"F_a_N_m", 4.0}, {"range_m", 1e-4}}),
+                   effect("contact_compliance", {{"normal_m_N", 6e-6}}),
+                   effect("static_friction_excess", {{"mu_s_over_mu_k", 1.4}}),
+                   effect("sensor_gain", {{"error", 0.02}}),
+                   effect("local_damage", {{"stiffness_drop", 0.5}})};
+    const bool stated = GENERATE(true, false); // without a width it follows from B
+    const replay::Section to{4e-4, stated ? 0.03 : 0.0, 24e-3};
+    const auto law = replay::carriedTo(to, fit);
+    INFO(law.error());
+    REQUIRE(law);
+    // M_y = (M_y / B) B grows with w t^2, here twelvefold.
+    CHECK(valueOf(*law, "plasticity", "My_over_B_1_m") * to.bendingModulus ==
+          Approx(12.0 * 50.0 * fit.section.bendingModulus).epsilon(1e-14));
+    CHECK(valueOf(*law, "plasticity", "H_over_B") == 0.2);
+    CHECK(valueOf(*law, "nonlinear_elasticity", "uc_1_m") == Approx(40.0).epsilon(1e-14));
+    CHECK(valueOf(*law, "viscoelastic_bending", "eta_over_B_s") == 0.5);
+    CHECK(valueOf(*law, "adhesion", "F_a_N_m") == Approx(12.0).epsilon(1e-14));
+    CHECK(valueOf(*law, "adhesion", "range_m") == 1e-4);
+    CHECK(valueOf(*law, "contact_compliance", "normal_m_N") == Approx(2e-6).epsilon(1e-14));
+    CHECK(valueOf(*law, "static_friction_excess", "mu_s_over_mu_k") == 1.4);
+    CHECK(valueOf(*law, "sensor_gain", "error") == 0.02);
+    CHECK(law->effects.size() + 1 == fit.effects.size()); // the crease is that of one specimen
+    fit.effects = {fit.effects.back()};
+    CHECK_THAT(replay::carriedTo(to, fit).error(), Contains("is a defect of one specimen"));
+}
+
+TEST_CASE("replay repeats a fit of its own experiment only", "[replay]") {
+    const test::Folder folder;
+    const experiment::Experiment e = baseline(106);
+    replay::Parameters p = replay::nominal(e);
+    REQUIRE(replay::set(p, e, "friction", 0.31).empty());
+    p.effects = {effect("static_friction_excess", {{"mu_s_over_mu_k", 1.2}})};
+    replay::StoredFit fit = replay::storedFit(e, p), bare = replay::storedFit(e, replay::nominal(e));
+    fit.label = "static_friction_excess";
+    fit.drawn = true;
+    bare.label = replay::kNothing;
+    const std::string file = written(folder, {replay::checkSumOf(e), {fit, bare}});
+    const std::string out = " --fidelity coarse --quiet --out " + folder.path + "/out";
+    REQUIRE(replayed(baselinePath(106) + " --with " + file + out).code == 0);
+    const nlohmann::json with = test::jsonOf(folder.path + "/out/replay.json");
+    CHECK(with["parameters"]["friction"] == 0.31);
+    CHECK(with["effects"]["static_friction_excess"]["mu_s_over_mu_k"] == 1.2);
+    CHECK(with["with"]["label"] == "static_friction_excess");
+    REQUIRE(replayed(baselinePath(106) + " --with " + file + ":nothing" + out).code == 0);
+    CHECK(test::jsonOf(folder.path + "/out/replay.json")["effects"].empty());
+    const auto refused = [&](const std::string& options, const std::string& why) {
+        const test::CommandResult end = replayed(options + out);
+        INFO(end.text);
+        CHECK(end.code == 2);
+        CHECK_THAT(end.text, Contains(why));
+    };
+    refused(baselinePath(106) + " --with " + file + ":nothin", "did you mean \"nothing\"?");
+    refused(baselinePath(105) + " --with " + file, "is of other recordings or another description");
+    refused(baselinePath(106) + " --with " + baselinePath(106), "this is no diagnosis.json");
+    refused(baselinePath(105) + " --carry " + file + ":nothing", "nothing has no law to carry");
+    refused(baselinePath(105) + " --carry " + file + " --with " + file, "--with");
+}

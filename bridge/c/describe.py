@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Describes the C interface for other languages, from its headers and the library's own sc_layout().
 
-    describe.py                       writes bridge/c/layout.inc (needs the headers only)
+    describe.py                       writes bridge/c/layout.inc and tests/bridge/c/calls.inc (needs the headers only)
     describe.py --library LIB         writes bridge/c/api.json and docs/reference/c.md, too
-    describe.py --library LIB --check fails if one of the three is not what would be written
+    describe.py --library LIB --check fails if one of the four is not what would be written
 
 api.json has, for each header in the order of the text:
   constants  {"name", "value", "about"}            enumerators and SC_API_VERSION
@@ -114,6 +114,12 @@ def layoutInc(api):
     return "\n".join(lines) + "\n"
 
 
+def callsInc(api):
+    lines = ["// Made by bridge/c/describe.py: the calls that a test makes with any arguments."]
+    lines += [f"CALL({c['name']})" for c in api["calls"] if c["header"] == HEADERS[0] and c["name"] not in ("sc_alloc", "sc_free")]
+    return "\n".join(lines) + "\n"
+
+
 def addLayout(api, library):
     lib = ctypes.CDLL(str(library))
     lib.sc_layout.restype = ctypes.c_char_p
@@ -160,7 +166,7 @@ def main():
     for header in HEADERS:
         if (HERE / "include" / header).exists():
             read(header, api)
-    files = {HERE / "layout.inc": layoutInc(api)}
+    files = {HERE / "layout.inc": layoutInc(api), TOP / "tests/bridge/c/calls.inc": callsInc(api)}
     if arguments.library:
         addLayout(api, arguments.library)
         files[HERE / "api.json"] = json.dumps(api, indent=1) + "\n"

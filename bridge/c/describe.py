@@ -7,6 +7,7 @@
 
 api.json has, for each header in the order of the text:
   constants  {"name", "value", "about"}            enumerators and SC_API_VERSION
+  callbacks  {"name", "type", "header"}             pointers to functions, such as "int32_t(*)(void* context)"
   handles    ["sc_world", ...]                     structs with the one member `uint64_t id`
   structs    {"name", "size", "members": [{"name", "type", "offset", "about"}]}
   calls      {"name", "returns", "parameters": [{"name", "type"}], "about", "section", "header"}
@@ -23,7 +24,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parent.parent
 HEADERS = ["supercircle.h", "supercircle_box2d.h", "supercircle_lab.h"]
 SECTION = re.compile(r"/\* ---- (.*?) \*/", re.S)
-TOKEN = re.compile(r"/\* ---- .*? \*/|///[^\n]*|typedef struct (\w+) \{.*?\} \1;|enum \{.*?\};|^SC_API [^;]*;", re.S | re.M)
+TOKEN = re.compile(r"/\* ---- .*? \*/|///[^\n]*|typedef struct (\w+) \{.*?\} \1;|typedef [^;{]*\(\*\w+\)[^;]*;|enum \{.*?\};|^SC_API [^;]*;", re.S | re.M)
 
 
 def normalType(text):
@@ -38,8 +39,8 @@ def parameter(text):
 
 def functionPointer(text):
     """"int32_t (*progress)(void*, double)" -> type and name."""
-    match = re.match(r"(.*)\(\*(\w+)\)\((.*)\)$", text.strip(), re.S)
-    return match and {"name": match[2], "type": f"{normalType(match[1])}(*)({normalType(match[3])})"}
+    result, name, arguments = re.match(r"\s*(.*)\(\*(\w+)\)\((.*)\)$", text.strip(), re.S).groups()
+    return {"name": name, "type": f"{normalType(result)}(*)({normalType(arguments)})"}
 
 
 def split(text):
@@ -88,6 +89,9 @@ def read(header, api):
             if not token.startswith("///<"):
                 about.append(token[3:].strip())
             continue
+        elif token.startswith("typedef") and "(*" in token:
+            pointer = functionPointer(token.removeprefix("typedef").rstrip(";"))
+            api["callbacks"].append({"name": pointer["name"], "type": pointer["type"], "header": header})
         elif token.startswith("typedef"):
             struct = readStruct(match[1], token[token.index("{") + 1:token.rindex("}")])
             if [m["name"] for m in struct["members"]] == ["id"]:
@@ -100,7 +104,7 @@ def read(header, api):
             call = parameter(head)
             parts = [] if arguments.strip() in ("", "void") else split(arguments)
             api["calls"].append({"name": call["name"], "returns": call["type"],
-                                 "parameters": [functionPointer(p) or parameter(p) for p in parts],
+                                 "parameters": [parameter(p) for p in parts],
                                  "about": " ".join(about), "section": section, "header": header})
         about = []
 
@@ -162,7 +166,7 @@ def main():
     parser.add_argument("--library", type=pathlib.Path)
     parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
-    api = {"constants": [], "handles": [], "structs": [], "calls": []}
+    api = {"constants": [], "handles": [], "callbacks": [], "structs": [], "calls": []}
     for header in HEADERS:
         if (HERE / "include" / header).exists():
             read(header, api)

@@ -34,6 +34,7 @@ const std::vector<Rule>& rules() {
         {"bridge/box2d3/", {"supercircle/", "plugin/api/include/"}, {"Eigen/", "box2d/"}, {}},
 
         {"bridge/c/include/", {}, {}, {}, true},
+        {"bridge/c/lab/", {"supercircle/", "plugin/", "bridge/"}, {"Eigen/", "nlohmann/"}, {}},
         // C: on the public headers, the scene reader and the SVG writer; a polyline comes from the core's arcs.
         {"bridge/c/",
          {"supercircle/", "plugin/api/include/", "plugin/scene/loader/", "plugin/graphics/", "bridge/box2d/"},
@@ -107,7 +108,7 @@ const std::vector<Rule>& rules() {
         {"plugin/pages/replay/",
          {"plugin/graphics/", "plugin/identification/replay/", "plugin/recording/", "supercircle/support/"},
          {},
-         {}},
+         {"nlohmann/"}},
         {"plugin/pages/sensitivity/",
          {"plugin/graphics/", "plugin/identification/sensitivity/", "plugin/recording/", "supercircle/support/"},
          {},

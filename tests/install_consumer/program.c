@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <supercircle.h>
+#ifdef WITH_LAB
+#include <supercircle_lab.h>
+#endif
 
 static const char* const floor_and_ball =
     "{\"schema\": \"supercircle-scene/1\", \"body\": ["
@@ -94,6 +97,11 @@ int main(void) {
     EXPECT(sc_shell_state_of(world, shell, &state) == SC_STALE);
     DONE(sc_world_destroy(world));
     EXPECT(sc_world_step(world, 0.1, NULL) == SC_STALE);
+#ifdef WITH_LAB
+    EXPECT(sc_lab_api_version() == SC_API_VERSION);
+    EXPECT(strstr(sc_lab_check("{\"scene\": {\"shell\": [{\"nam\": 1}]}}", NULL, NULL), "\"valid\":false") != NULL);
+    EXPECT(sc_lab_run("{\"scen\": 1}", NULL, NULL) == NULL && sc_lab_status() == SC_BAD_INPUT);
+#endif
     printf("version %s: %d contacts began\n", sc_version(), (int)touched);
     return 0;
 }

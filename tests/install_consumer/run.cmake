@@ -31,10 +31,10 @@ if(PKG_CONFIG)
   step("compiling with pkg-config" ${COMPILER} -std=c++20 ${SOURCE}/../../examples/embed/hello/main.cpp -o ${WORK}/hello_pc ${flags}
        -Wl,-rpath,${LIBRARIES})
   step("running it" ${WORK}/hello_pc)
-  step("pkg-config" ${PKG_CONFIG} --cflags --libs supercircle_c)
+  step("pkg-config" ${PKG_CONFIG} --cflags --libs supercircle_c supercircle_lab_c)
   separate_arguments(flags UNIX_COMMAND "${out}")
   find_program(CC NAMES cc gcc clang REQUIRED)
-  step("compiling C with pkg-config" ${CC} -std=c99 -pedantic -Wall -Wextra -Werror ${SOURCE}/program.c -o ${WORK}/program_pc ${flags}
+  step("compiling C with pkg-config" ${CC} -std=c99 -pedantic -Wall -Wextra -Werror -DWITH_LAB ${SOURCE}/program.c -o ${WORK}/program_pc ${flags}
        -lm -Wl,-rpath,${LIBRARIES})
   step("running it" ${WORK}/program_pc)
 endif()

@@ -26,6 +26,9 @@ struct Replay {
     std::vector<ReplayedRun> runs; ///< the simulated runs of the experiment
 };
 
+/// replay.json.
+std::string replayJson(const Replay& replay);
+
 /// NAME_replay.png per run and replay.html, by name and content.
 Result<std::vector<record::NamedText>> replayPages(const Replay& replay);
 

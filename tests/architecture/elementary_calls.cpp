@@ -81,6 +81,8 @@ bool offends(std::string_view before, std::string_view after, bool own) {
         return true;
     if (endsWith(before, "::")) // ::sin, but not math::sin
         return before.size() == 2 || !isWord(before[before.size() - 3]);
+    if (endsWith(before, "shells.")) // Shells::log
+        return false;
     if (endsWith(before, ".") || endsWith(before, "->")) // Eigen's arrays: a.exp(), a.pow(2)
         return hasArguments(after) || after.substr(0, 2) == "()";
     const bool declared = !before.empty() && before.back() == ' ' && before.size() > 1 &&

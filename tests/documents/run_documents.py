@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compiles and runs what README.md and docs/tutorials/*.md show, and compares the printed numbers.
+"""Compiles and runs what README.md, docs/tutorials/*.md and docs/how-to/from_c.md show, and compares the printed numbers.
 
     run_documents.py --build DIR --source DIR [--compiler CXX] [--flags FLAGS] [--keep DIR] [FILES...]
 
 An HTML comment before a fenced block says what the block is:
 
-    <!-- test: program NAME -->               C++: compiled and linked as NAME
+    <!-- test: program NAME -->               C++, or C99 in a block of that language: compiled and linked as NAME
     <!-- test: file PATH -->                  written to PATH in the working folder
     <!-- test: run NAME -->                   sh: executed by bash; its output is called NAME
     <!-- test: output NAME [tolerance T] -->  text: what NAME prints (a program without a run block is started)
@@ -147,7 +147,18 @@ class Bench:
             return "", str(error)
         return done.stdout, "" if done.returncode == 0 else f"exit code {done.returncode}:\n{done.stdout.rstrip()}"
 
+    def compileC(self, block):
+        source = self.folder / f"{block.name}.c"
+        source.write_text(block.text, encoding="utf-8")
+        library = find(self.options.build, "libsupercircle_c.so")
+        command = [self.options.c_compiler, "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror",
+                   f"-I{self.options.source}/bridge/c/include", str(source), "-o", str(self.folder / block.name),
+                   str(library), f"-Wl,-rpath,{library.parent}"]
+        return self.execute(command)[1]
+
     def compile(self, block):
+        if block.language == "c":
+            return self.compileC(block)
         source = self.folder / f"{block.name}.cpp"
         source.write_text(block.text, encoding="utf-8")
         folders = [".", "plugin/api/include", "bridge/box2d/include"]
@@ -222,6 +233,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, required=True, help="build tree")
     parser.add_argument("--source", type=pathlib.Path, required=True, help="source tree")
     parser.add_argument("--compiler", default=os.environ.get("CXX", "c++"))
+    parser.add_argument("--c-compiler", default=os.environ.get("CC", "cc"))
     parser.add_argument("--flags", default="", help="more flags of the compiler, in one string")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for the working folders, which then stay")
     parser.add_argument("files", nargs="*", type=pathlib.Path)
@@ -229,7 +241,8 @@ def main():
     options.build, options.source = options.build.resolve(), options.source.resolve()
     if options.keep:
         options.keep = options.keep.resolve()
-    files = options.files or [options.source / "README.md", *sorted((options.source / "docs/tutorials").glob("*.md"))]
+    files = options.files or [options.source / "README.md", *sorted((options.source / "docs/tutorials").glob("*.md")),
+                              options.source / "docs/how-to/from_c.md"]
     failed = False
     for path in files:
         try:

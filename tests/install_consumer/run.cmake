@@ -15,7 +15,7 @@ step("configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR
      -DEXAMPLES_DIR=${WORK}/prefix/share/doc/supercircle/examples)
 step("building" ${CMAKE_COMMAND} --build ${WORK}/build)
 foreach(program consumer_box2d consumer_box2d_static shells_only core_headers_supercircle core_headers_supercircle_static
-        hello/hello)
+        program_c program_cpp hello/hello)
   step("running ${program}" ${WORK}/build/${program})
 endforeach()
 step("hello_scene" ${WORK}/build/hello_scene/hello_scene ${WORK}/prefix/share/supercircle/scenes/ramp.json time=0.1)
@@ -31,4 +31,10 @@ if(PKG_CONFIG)
   step("compiling with pkg-config" ${COMPILER} -std=c++20 ${SOURCE}/../../examples/embed/hello/main.cpp -o ${WORK}/hello_pc ${flags}
        -Wl,-rpath,${LIBRARIES})
   step("running it" ${WORK}/hello_pc)
+  step("pkg-config" ${PKG_CONFIG} --cflags --libs supercircle_c supercircle_lab_c)
+  separate_arguments(flags UNIX_COMMAND "${out}")
+  find_program(CC NAMES cc gcc clang REQUIRED)
+  step("compiling C with pkg-config" ${CC} -std=c99 -pedantic -Wall -Wextra -Werror -DWITH_LAB ${SOURCE}/program.c -o ${WORK}/program_pc ${flags}
+       -lm -Wl,-rpath,${LIBRARIES})
+  step("running it" ${WORK}/program_pc)
 endif()

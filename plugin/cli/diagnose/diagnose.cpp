@@ -8,7 +8,7 @@
 
 #include "plugin/identification/diagnosis/diagnose.h"
 #include "plugin/identification/diagnosis/replay_model.h"
-#include "plugin/identification/diagnosis/result/stored_fits.h"
+#include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/recording/table/rounded.h"
@@ -94,7 +94,7 @@ std::string cacheName(std::vector<std::string> without) {
 }
 
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment,
-                          const OutputFolder& folder, replay::StoredFits& fits, std::string& error) {
+                          const OutputFolder& folder, diagnosis::StoredFits& fits, std::string& error) {
     const auto begin = std::chrono::steady_clock::now();
     const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
     if (interrupted) { // the model is incomplete
@@ -140,7 +140,7 @@ int diagnose(const DiagnoseArguments& a) {
         return kCannotWrite;
     }
     std::string error;
-    replay::StoredFits fits;
+    diagnosis::StoredFits fits;
     const diagnosis::Diagnosis d = work(a, *experiment, folder, fits, error);
     if (!error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());

@@ -1,7 +1,8 @@
 #include "plugin/cli/replay/taken_fit.h"
 
-#include "plugin/identification/diagnosis/selection/carried_score.h"
-#include "plugin/identification/replay/stored_fit.h"
+#include "plugin/identification/diagnosis/carried_score.h"
+#include "plugin/identification/diagnosis/stored_fits.h"
+#include "plugin/pages/diagnosis/stored_fits_json.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -26,20 +27,20 @@ TakenFit named(const std::string& text) {
 
 /// The text of what is wrong, or nothing.
 std::string take(TakenFit& taken, Replay& replay) {
-    const auto fits = replay::readStoredFits(taken.file);
+    const auto fits = readStoredFits(taken.file);
     if (!fits)
         return fits.error();
-    const auto fit = replay::fitCalled(*fits, taken.label);
+    const auto fit = diagnosis::fitCalled(*fits, taken.label);
     if (!fit)
         return taken.file + ": " + fit.error();
     taken.label = fit->label;
     if (!taken.carried) {
-        if (fits->checkSum != replay::checkSumOf(replay.experiment))
+        if (fits->checkSum != diagnosis::checkSumOf(replay.experiment))
             return taken.file + " is of other recordings or another description than " + replay.experiment.file +
                    "; diagnose this experiment, or take the law alone with --carry";
-        return replay::setTo(*fit, replay.experiment, replay.parameters);
+        return diagnosis::setTo(*fit, replay.experiment, replay.parameters);
     }
-    auto law = replay::carriedTo(replay::sectionOf(replay.experiment, replay.parameters), *fit);
+    auto law = diagnosis::carriedTo(diagnosis::sectionOf(replay.experiment, replay.parameters), *fit);
     if (!law)
         return taken.file + ": " + law.error();
     taken.notes = law->notes;
@@ -71,7 +72,8 @@ void scoreCarriedLaw(Replay& replay, bool quiet) {
     const auto score = diagnosis::scoreOfLaw(replay.experiment, replay.parameters.effects, &interrupted);
     replay.taken->failure = score.error();
     if (score)
-        replay.taken->score = *score;
+        replay.taken->score = CarriedScore{score->rmseWithout, score->rmseWith, score->heldOutWithout,
+                                           score->heldOutWith, score->gain,     score->gainError};
 }
 
 } // namespace supercircle::cli

@@ -1,5 +1,6 @@
 #include "plugin/identification/diagnosis/next_experiment.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
+#include "plugin/pages/diagnosis/stored_fits_json.h"
 #include "plugin/recording/table/json_text.h"
 
 #include <algorithm>
@@ -228,7 +229,7 @@ Json batchOf(const Diagnosis& d) {
 
 } // namespace
 
-std::string diagnosisJson(const Diagnosis& d, const replay::StoredFits& fits) {
+std::string diagnosisJson(const Diagnosis& d, const diagnosis::StoredFits& fits) {
     Json next = nullptr;
     if (d.next)
         next = nextOf(*d.next);
@@ -258,7 +259,7 @@ std::string diagnosisJson(const Diagnosis& d, const replay::StoredFits& fits) {
                  {"forward_runs", d.forwardRuns},
                  {"timing", {{"elapsed_s", d.elapsed}, {"cpu_s", d.cpuSeconds}}}};
     if (!fits.fits.empty())
-        json["replay"] = replay::jsonOf(fits);
+        json["replay"] = record::parseJson(storedFitsJson(fits));
     if (!d.batch.empty())
         json["batch"] = batchOf(d);
     if (!d.forecast.runs.empty())

@@ -1,7 +1,6 @@
 #pragma once
 // Figures and page of the subcommand `replay`.
 
-#include "plugin/identification/diagnosis/selection/carried_score.h"
 #include "plugin/identification/replay/compare.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/table/files.h"
@@ -20,13 +19,21 @@ struct ReplayedRun {
     replay::Comparison comparison;
 };
 
+/// Errors of a carried law where only the stated numbers are fitted, in the unit of the channel, and the gain in
+/// held-out log score with its standard error.
+struct CarriedScore {
+    double rmseWithout = 0.0, rmseWith = 0.0;
+    double heldOutWithout = 0.0, heldOutWith = 0.0;
+    double gain = 0.0, gainError = 0.0;
+};
+
 /// The fit of a diagnosis that a replay takes.
 struct TakenFit {
     std::string file, label;
-    bool carried = false;                     ///< only its law, to this experiment
-    std::vector<std::string> notes;           ///< of the law, in this section
-    std::optional<diagnosis::LawScore> score; ///< of a carried law
-    std::string failure;                      ///< why there is no score; empty: there is
+    bool carried = false;              ///< only its law, to this experiment
+    std::vector<std::string> notes;    ///< of the law, in this section
+    std::optional<CarriedScore> score; ///< of a carried law
+    std::string failure;               ///< why there is no score; empty: there is
 };
 
 /// Result of a replay.
@@ -37,6 +44,9 @@ struct Replay {
     std::vector<ReplayedRun> runs; ///< the simulated runs of the experiment
     std::optional<TakenFit> taken; ///< its parameters and effects come from a diagnosis
 };
+
+/// replay.json.
+std::string replayJson(const Replay& replay);
 
 /// NAME_replay.png per run and replay.html, by name and content.
 Result<std::vector<record::NamedText>> replayPages(const Replay& replay);

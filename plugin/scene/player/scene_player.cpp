@@ -3,6 +3,7 @@
 
 #include "plugin/api/include/supercircle/scene.hpp"
 
+#include "plugin/scene/loader/document.h"
 #include "plugin/scene/loader/loader.h"
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/step/stepper.h"
@@ -306,23 +307,30 @@ const std::string& ScenePlayer::name() const {
     return impl_->scene.name;
 }
 
-Result<ScenePlayer> load_scene(const std::string& path, Shells& shells, const SceneOptions& options) {
+Result<ScenePlayer> load_scene_text(const std::string& text, const std::string& file, Shells& shells,
+                                    const SceneOptions& options) {
     using Answer = Result<ScenePlayer>;
     std::vector<scene::Override> overrides;
     for (const auto& [name, value] : options.parameters)
         overrides.push_back({name, value});
     std::vector<scene::Problem> problems;
-    Result<scene::Scene> scene = scene::load(path, overrides, problems);
+    Result<scene::Scene> scene = scene::loadText(text, file, overrides, problems);
     if (!scene)
         return Answer::failure(scene.error());
     auto impl = std::make_shared<ScenePlayer::Impl>(*std::move(scene), shells, options.seed);
     if (const Status populated = impl->populate(); !populated) {
         for (const ShellHandle shell : impl->made)
             (void)shells.destroy(shell);
-        return Answer::failure(path + ": " + populated.error());
+        return Answer::failure(file + ": " + populated.error());
     }
     impl->start();
     return ScenePlayer(std::move(impl));
+}
+
+Result<ScenePlayer> load_scene(const std::string& path, Shells& shells, const SceneOptions& options) {
+    std::vector<scene::Problem> problems;
+    const auto text = scene::readFile(path, problems);
+    return text ? load_scene_text(*text, path, shells, options) : Result<ScenePlayer>::failure(text.error());
 }
 
 } // namespace supercircle

@@ -46,7 +46,7 @@ public:
 private:
     struct Impl;
     explicit ScenePlayer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
-    friend Result<ScenePlayer> load_scene(const std::string&, Shells&, const SceneOptions&);
+    friend Result<ScenePlayer> load_scene_text(const std::string&, const std::string&, Shells&, const SceneOptions&);
     std::shared_ptr<Impl> impl_;
 };
 
@@ -54,5 +54,8 @@ private:
 /// gravity becomes that of the scene; its length scale stays (lengthScale of the scene is ignored). After a failure
 /// nothing was added, and the error has one line per problem: file:line:column: pointer: what is wrong.
 Result<ScenePlayer> load_scene(const std::string& path, Shells& shells, const SceneOptions& options = {});
+/// The same from a text; `file` is its name in messages.
+Result<ScenePlayer> load_scene_text(const std::string& text, const std::string& file, Shells& shells,
+                                    const SceneOptions& options = {});
 
 } // namespace supercircle

@@ -1,4 +1,4 @@
-#include "plugin/identification/diagnosis/selection/carried_score.h"
+#include "plugin/identification/diagnosis/carried_score.h"
 
 #include "plugin/identification/diagnosis/estimation/baseline_fit.h"
 #include "plugin/identification/diagnosis/replay_model.h"

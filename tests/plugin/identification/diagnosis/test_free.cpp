@@ -7,7 +7,7 @@
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/replay_model.h"
-#include "plugin/identification/diagnosis/selection/carried_score.h"
+#include "plugin/identification/diagnosis/carried_score.h"
 #include "plugin/identification/diagnosis/selection/law_variants.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"

@@ -2,7 +2,7 @@
 #include "plugin/identification/diagnosis/likelihood.h"
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/replay_model.h"
-#include "plugin/identification/diagnosis/result/stored_fits.h"
+#include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/experiment/natural_units.h"
@@ -407,10 +407,10 @@ TEST_CASE("a replay of a stored fit draws the curve of the diagnosis", "[diagnos
         d.effects.push_back(f);
     }
     d.baseline.nominal = d.effects[0].point.nominal;
-    const replay::StoredFits fits = storedFitsOf(model, e, d);
+    const StoredFits fits = storedFitsOf(model, e, d);
     REQUIRE(fits.fits.size() == 4);
     CHECK(fits.fits[0].drawn);
-    CHECK(fits.fits[3].label == replay::kNothing);
+    CHECK(fits.fits[3].label == kNothing);
     for (std::size_t i = 0; i < 4; ++i) {
         INFO(fits.fits[i].label);
         const ParameterPoint& point = i < 3 ? d.effects[i].point : d.baseline;
@@ -418,7 +418,7 @@ TEST_CASE("a replay of a stored fit draws the curve of the diagnosis", "[diagnos
         Response drawn = model.simulate(0, model.simulated(0, point), Fidelity::Fine, nullptr);
         model.read(0, point, drawn);
         replay::Parameters p = replay::nominal(e);
-        REQUIRE(replay::setTo(fits.fits[i], e, p).empty());
+        REQUIRE(setTo(fits.fits[i], e, p).empty());
         const Response repeated = responseOf(e, 0, replay::simulate(e, 0, p, replay::Resolution::fine()));
         const double peak = drawn.force.cwiseAbs().maxCoeff();
         CHECK(peak > 0.01);

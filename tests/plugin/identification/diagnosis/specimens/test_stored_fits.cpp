@@ -1,17 +1,30 @@
 // Fits of a diagnosis in a replay: repeated, or their law carried to another section.
 
-#include "plugin/identification/replay/stored_fit.h"
-#include "tests/plugin/identification/replay/support.h"
+#include "plugin/identification/diagnosis/stored_fits.h"
+#include "plugin/pages/diagnosis/stored_fits_json.h"
+#include "plugin/recording/experiment/load.h"
 #include "tests/support/folder.h"
 #include "tests/support/json.h"
 
+#include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-using namespace replaytest;
+using namespace supercircle;
 using Catch::Contains;
 
 namespace {
+
+std::string baselinePath(int number) {
+    return std::string(SC_TEST_DATA) + "/recordings/baseline/case_" + std::to_string(number) + "/experiment.json";
+}
+
+experiment::Experiment baseline(int number) {
+    auto loaded = experiment::load(baselinePath(number));
+    REQUIRE(loaded);
+    return *loaded;
+}
 
 effects::Setting effect(const std::string& key, const std::vector<std::pair<std::string, double>>& values) {
     effects::Setting s = effects::off(*effects::find(key));
@@ -20,7 +33,7 @@ effects::Setting effect(const std::string& key, const std::vector<std::pair<std:
     return s;
 }
 
-double valueOf(const replay::CarriedLaw& law, const std::string& key, const std::string& name) {
+double valueOf(const diagnosis::CarriedLaw& law, const std::string& key, const std::string& name) {
     const effects::Effect& e = *effects::find(key);
     for (const effects::Setting& s : law.effects)
         for (std::size_t i = 0; i < e.parameters.size() && s.key == e.key; ++i)
@@ -30,10 +43,10 @@ double valueOf(const replay::CarriedLaw& law, const std::string& key, const std:
 }
 
 /// Writes a diagnosis.json with these fits.
-std::string written(const test::Folder& folder, const replay::StoredFits& fits) {
+std::string written(const test::Folder& folder, const diagnosis::StoredFits& fits) {
     const std::string file = folder.path + "/diagnosis.json";
     std::ofstream(file) << nlohmann::ordered_json{{"schema", "supercircle-diagnosis/2"},
-                                                  {"replay", replay::jsonOf(fits)}};
+                                                  {"replay", nlohmann::ordered_json::parse(cli::storedFitsJson(fits))}};
     return file;
 }
 
@@ -43,7 +56,7 @@ test::CommandResult replayed(const std::string& arguments) {
 
 } // namespace
 
-TEST_CASE("a stored fit is read back to the last bit", "[replay]") {
+TEST_CASE("a stored fit is read back to the last bit", "[diagnosis]") {
     const test::Folder folder;
     const experiment::Experiment e = baseline(GENERATE(101, 103));
     replay::Parameters p = replay::nominal(e);
@@ -52,36 +65,36 @@ TEST_CASE("a stored fit is read back to the last bit", "[replay]") {
             REQUIRE(replay::set(p, e, info.name, info.stated.value + info.stated.halfWidth / 3.0).empty());
     p.effects = {effect("plasticity", {{"My_over_B_1_m", 100.0 / 3.0}, {"hardening", 1.0}}),
                  effect("sensor_drift", {{"a_N", 1.0 / 7.0}})};
-    replay::StoredFit fit = replay::storedFit(e, p);
+    diagnosis::StoredFit fit = diagnosis::storedFit(e, p);
     fit.label = "plasticity";
     fit.drawn = true;
-    const std::string file = written(folder, {replay::checkSumOf(e), {fit}});
-    const auto read = replay::readStoredFits(file);
+    const std::string file = written(folder, {diagnosis::checkSumOf(e), {fit}});
+    const auto read = cli::readStoredFits(file);
     INFO(read.error());
     REQUIRE(read);
-    CHECK(read->checkSum == replay::checkSumOf(e));
-    const auto drawn = replay::fitCalled(*read, "");
+    CHECK(read->checkSum == diagnosis::checkSumOf(e));
+    const auto drawn = diagnosis::fitCalled(*read, "");
     REQUIRE(drawn);
     replay::Parameters again = replay::nominal(e);
-    CHECK(replay::setTo(*drawn, e, again).empty());
+    CHECK(diagnosis::setTo(*drawn, e, again).empty());
     CHECK(again.effects == p.effects);
     for (const replay::ParameterInfo& info : replay::parameterList(e))
         CHECK(replay::get(again, e, info.name) == replay::get(p, e, info.name));
 }
 
-TEST_CASE("the check sum is that of description and runs", "[replay]") {
+TEST_CASE("the check sum is that of description and runs", "[diagnosis]") {
     experiment::Experiment e = baseline(101), other = e;
-    CHECK(replay::checkSumOf(e) == replay::checkSumOf(other));
+    CHECK(diagnosis::checkSumOf(e) == diagnosis::checkSumOf(other));
     other.runs[0].readings.force.back() += 1e-15;
-    CHECK(replay::checkSumOf(e) != replay::checkSumOf(other));
+    CHECK(diagnosis::checkSumOf(e) != diagnosis::checkSumOf(other));
     other = e;
     other.text += " ";
-    CHECK(replay::checkSumOf(e) != replay::checkSumOf(other));
+    CHECK(diagnosis::checkSumOf(e) != diagnosis::checkSumOf(other));
 }
 
-TEST_CASE("a law is restated for another section of the same material", "[replay]") {
+TEST_CASE("a law is restated for another section of the same material", "[diagnosis]") {
     // M / (w t^2) = g(kappa t): a section twice as thick and three times as wide, whose B is 3 * 8 times as large.
-    replay::StoredFit fit;
+    diagnosis::StoredFit fit;
     fit.label = "plasticity";
     fit.section = {2e-4, 0.01, 1e-3};
     fit.effects = {effect("plasticity", {{"My_over_B_1_m", 50.0}, {"H_over_B", 0.2}}),
@@ -93,8 +106,8 @@ TEST_CASE("a law is restated for another section of the same material", "[replay
                    effect("sensor_gain", {{"error", 0.02}}),
                    effect("local_damage", {{"stiffness_drop", 0.5}})};
     const bool stated = GENERATE(true, false); // without a width it follows from B
-    const replay::Section to{4e-4, stated ? 0.03 : 0.0, 24e-3};
-    const auto law = replay::carriedTo(to, fit);
+    const diagnosis::Section to{4e-4, stated ? 0.03 : 0.0, 24e-3};
+    const auto law = diagnosis::carriedTo(to, fit);
     INFO(law.error());
     REQUIRE(law);
     // M_y = (M_y / B) B grows with w t^2, here twelvefold.
@@ -110,20 +123,20 @@ TEST_CASE("a law is restated for another section of the same material", "[replay
     CHECK(valueOf(*law, "sensor_gain", "error") == 0.02);
     CHECK(law->effects.size() + 1 == fit.effects.size()); // the crease is that of one specimen
     fit.effects = {fit.effects.back()};
-    CHECK_THAT(replay::carriedTo(to, fit).error(), Contains("is a defect of one specimen"));
+    CHECK_THAT(diagnosis::carriedTo(to, fit).error(), Contains("is a defect of one specimen"));
 }
 
-TEST_CASE("replay repeats a fit of its own experiment only", "[replay]") {
+TEST_CASE("replay repeats a fit of its own experiment only", "[diagnosis]") {
     const test::Folder folder;
     const experiment::Experiment e = baseline(106);
     replay::Parameters p = replay::nominal(e);
     REQUIRE(replay::set(p, e, "friction", 0.31).empty());
     p.effects = {effect("static_friction_excess", {{"mu_s_over_mu_k", 1.2}})};
-    replay::StoredFit fit = replay::storedFit(e, p), bare = replay::storedFit(e, replay::nominal(e));
+    diagnosis::StoredFit fit = diagnosis::storedFit(e, p), bare = diagnosis::storedFit(e, replay::nominal(e));
     fit.label = "static_friction_excess";
     fit.drawn = true;
-    bare.label = replay::kNothing;
-    const std::string file = written(folder, {replay::checkSumOf(e), {fit, bare}});
+    bare.label = diagnosis::kNothing;
+    const std::string file = written(folder, {diagnosis::checkSumOf(e), {fit, bare}});
     const std::string out = " --fidelity coarse --quiet --out " + folder.path + "/out";
     REQUIRE(replayed(baselinePath(106) + " --with " + file + out).code == 0);
     const nlohmann::json with = test::jsonOf(folder.path + "/out/replay.json");

@@ -1,18 +1,16 @@
 #pragma once
-// Fits of a diagnosis as its file keeps them. A replay repeats one to its drawn curve, or carries its law to another
-// specimen.
+// The fits of a diagnosis in the parameters of a replay, as diagnosis.json keeps them. A replay repeats one to its
+// drawn curve, or carries its law to another specimen.
 
-#include "plugin/identification/replay/parameters.h"
-#include "plugin/recording/experiment/experiment.h"
-#include "supercircle/effects/effect.h"
+#include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/diagnosis/result.h"
 #include "supercircle/support/result.h"
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace supercircle::replay {
+namespace supercircle::diagnosis {
 
 /// What the scales of a law depend on; 0: not known.
 struct Section {
@@ -37,28 +35,29 @@ struct StoredFits {
     std::vector<StoredFit> fits;
 };
 
+/// All effects and learned laws of the result, most probable first, and last the fit without any.
+StoredFits storedFitsOf(const ReplayModel& model, const experiment::Experiment& experiment, const Diagnosis& diagnosis);
+
+/// Parameters and effects as a fit, without a label.
+StoredFit storedFit(const experiment::Experiment& experiment, const replay::Parameters& parameters);
+
 /// Check sum of description, scene and runs, as text.
 std::string checkSumOf(const experiment::Experiment& experiment);
 
 /// The section of the first specimen; all 0 of rigid bodies.
-Section sectionOf(const experiment::Experiment& experiment, const Parameters& parameters);
+Section sectionOf(const experiment::Experiment& experiment, const replay::Parameters& parameters);
 
-StoredFit storedFit(const experiment::Experiment& experiment, const Parameters& parameters);
-
-/// The member "replay" of a diagnosis.json. Numbers have all digits.
-nlohmann::ordered_json jsonOf(const StoredFits& fits);
-
-/// "shell" and the values of an effect, choices by name.
-nlohmann::ordered_json jsonOf(const effects::Setting& setting);
-
-/// Reads that member from a diagnosis.json; or what is wrong and what helps.
-Result<StoredFits> readStoredFits(const std::string& file);
+/// Effects as for --effect: "KEY:NAME=VALUE" with all digits.
+std::vector<std::string> assignmentsOf(const std::vector<effects::Setting>& effects);
+/// The reverse; returns what is wrong.
+[[nodiscard]] std::string readAssignments(const std::vector<std::string>& texts, std::vector<effects::Setting>& out);
 
 /// The fit called `label`; without a label the drawn one.
 Result<StoredFit> fitCalled(const StoredFits& fits, const std::string& label);
 
 /// Sets parameters and effects of a fit to the same experiment; or what is wrong.
-[[nodiscard]] std::string setTo(const StoredFit& fit, const experiment::Experiment& experiment, Parameters& parameters);
+[[nodiscard]] std::string setTo(const StoredFit& fit, const experiment::Experiment& experiment,
+                                replay::Parameters& parameters);
 
 /// The law of a fit, for another specimen.
 struct CarriedLaw {
@@ -71,4 +70,4 @@ struct CarriedLaw {
 /// of friction, machine and sensor do not change. Defects of one specimen are not carried.
 Result<CarriedLaw> carriedTo(const Section& section, const StoredFit& fit);
 
-} // namespace supercircle::replay
+} // namespace supercircle::diagnosis

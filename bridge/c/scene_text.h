@@ -1,0 +1,26 @@
+#pragma once
+// Scene texts that come through the C interface.
+
+#include "bridge/c/guard.h"
+#include "plugin/scene/loader/loader.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace supercircle::c {
+
+/// `file` in messages; "scene" if null.
+std::string fileName(const char* file);
+/// {"name": number}; null: none.
+std::vector<std::pair<std::string, double>> parametersOf(const char* json);
+/// Reads a scene; refuses with all errors, one a line, also those that only Box2D has. `notes`: one a line.
+scene::Scene readScene(const std::string& text, const std::string& file,
+                       const std::vector<std::pair<std::string, double>>& parameters = {},
+                       std::string* notes = nullptr);
+/// [{"line", "column", "pointer", "what", "expected", "nearest", "note", "text"}]
+std::string problemsJson(const std::string& text, const std::string& file);
+/// [{"name", "value", "min", "max", "unit", "about"}]; a bound that does not exist is null.
+std::string parametersJson(const scene::Scene& scene);
+
+} // namespace supercircle::c

@@ -1,0 +1,131 @@
+#include "bridge/box2d/box2d_port.h"
+#include "bridge/c/include/supercircle_box2d.h"
+#include "bridge/c/world.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace supercircle::c {
+
+namespace {
+
+/// A frame that did not begin: the input is at fault.
+bool isBadInput(const FrameReport& report) {
+    return report.advanced == 0.0 && report.failure.rfind("pre_step: ", 0) == 0;
+}
+
+} // namespace
+
+std::string reportJson(const FrameReport& report) {
+    const nlohmann::ordered_json texts = {
+        {"failure", report.failure}, {"why", report.why}, {"refused", report.refused}, {"note", report.note}};
+    return texts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void describe(World& w, const FrameReport& report, sc_frame& out) {
+    out = {};
+    out.advanced = report.advanced;
+    out.work = report.work;
+    out.injected = report.injected;
+    out.energy_gained = report.energy_gained;
+    out.steps = report.steps;
+    out.unconverged = report.unconverged;
+    out.budget_exhausted = report.budget_exhausted ? 1 : 0;
+    out.quarantined = static_cast<int32_t>(report.quarantined.size());
+    out.left_out = report.refused.empty() ? 0 : 1;
+    w.report = reportJson(report);
+    if (report.advanced > 0.0)
+        w.lastStep = report.advanced;
+}
+
+void watchZones(World& w) {
+    w.zoneEvents.clear();
+    w.zones.sweep([&](std::uint64_t id, Zone& zone) {
+        std::vector<ShellHandle> now = done(w.shells.overlap_box(zone.box));
+        const auto report = [&](const std::vector<ShellHandle>& of, const std::vector<ShellHandle>& other, int kind) {
+            for (const ShellHandle& h : of)
+                if (std::find(other.begin(), other.end(), h) == other.end()) {
+                    sc_event e{};
+                    e.kind = kind;
+                    e.time = w.shells.time();
+                    e.a = w.out(h);
+                    e.zone = {id};
+                    w.zoneEvents.push_back(e);
+                }
+        };
+        report(now, zone.inside, SC_ZONE_ENTER);
+        report(zone.inside, now, SC_ZONE_LEAVE);
+        zone.inside = std::move(now);
+        return false;
+    });
+}
+
+void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
+    if (!w.own)
+        refuse(SC_REFUSED, "this world belongs to a host: call sc_world_pre_step, step the b2World by the frame's "
+                           "`advanced`, then call sc_world_post_step");
+    if (!(dt >= 0.0 && std::isfinite(dt)))
+        refuse(SC_BAD_INPUT, "dt must be a finite number of seconds, 0 or more");
+    const FrameReport report = scene != nullptr ? scene->pre_step(dt) : w.shells.pre_step(dt);
+    describe(w, report, out);
+    if (report.advanced > 0.0) {
+        w.box2d->Step(static_cast<float>(report.advanced), w.velocityIterations, w.positionIterations);
+        w.attachment->stepped(report.advanced);
+    }
+    done(scene != nullptr ? scene->post_step() : w.shells.post_step(), SC_FAILED);
+    watchZones(w);
+    if (!report.failure.empty())
+        refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+}
+
+} // namespace supercircle::c
+
+using namespace supercircle::c;
+using supercircle::FrameReport;
+
+sc_status sc_world_step(sc_world w, double dt, sc_frame* out) {
+    return use(w, [&](World& x) {
+        sc_frame frame{};
+        sc_frame& result = out != nullptr ? *out : frame;
+        step(x, dt, result, nullptr);
+    });
+}
+
+const char* sc_world_report(sc_world w) {
+    return textIn(w, [&](World& x) { return x.report; });
+}
+
+sc_status sc_world_attach(b2World* host, const sc_world_def* def, sc_world* out) {
+    return shielded([&] {
+        given(host, "the host's world");
+        given(out, "the result");
+        if (host->IsLocked())
+            refuse(SC_REFUSED, "the host's world is inside its step");
+        *out = enlist(def, host);
+    });
+}
+
+sc_status sc_world_pre_step(sc_world w, double dt, sc_frame* out) {
+    return use(w, [&](World& x) {
+        if (x.own)
+            refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step advances both");
+        if (!(dt >= 0.0 && std::isfinite(dt)))
+            refuse(SC_BAD_INPUT, "dt must be a finite number of seconds, 0 or more");
+        x.requireUnlocked();
+        const FrameReport report = x.shells.pre_step(dt);
+        sc_frame frame{};
+        describe(x, report, out != nullptr ? *out : frame);
+        if (!report.failure.empty())
+            refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+    });
+}
+
+sc_status sc_world_post_step(sc_world w) {
+    return use(w, [&](World& x) {
+        if (x.own)
+            refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step advances both");
+        x.requireUnlocked();
+        done(x.shells.post_step(), SC_FAILED);
+        watchZones(x);
+    });
+}

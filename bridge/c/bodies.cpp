@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kFarthest = 1e6; ///< in Box2D units: beyond it floats resolve a tenth of a unit
 
+constexpr double kFastest = 1e12; ///< in Box2D units per second, rad/s: far below overflow
+
 float hostNumber(double number, const char* what) {
     if (!(std::abs(number) < kFarthest))
         refuse(SC_BAD_INPUT, std::string(what) + " is not finite or above a million Box2D units");
@@ -134,6 +136,11 @@ sc_status sc_body_apply_impulse(sc_world w, sc_body b, sc_point impulse, sc_poin
         const b2Vec2 j = hostPoint(impulse, x.scale, "the impulse"), p = hostPoint(at, x.scale, "the point");
         if (body.GetType() != b2_dynamicBody)
             refuse(SC_REFUSED, "impulses move dynamic bodies only");
+        const double speed = static_cast<double>(j.Length()) / static_cast<double>(body.GetMass());
+        const double arm = static_cast<double>((p - body.GetWorldCenter()).Length());
+        const double inertia = static_cast<double>(body.GetInertia());
+        if (!(speed < kFastest && (inertia <= 0.0 || arm * static_cast<double>(j.Length()) / inertia < kFastest)))
+            refuse(SC_BAD_INPUT, "the impulse is too strong for the mass of the body");
         body.ApplyLinearImpulse(j, p, true);
     });
 }

@@ -21,6 +21,7 @@ std::string dump(const Json& json) {
 
 Json parsed(const char* text) {
     const std::string json = textOf(text, -1, "the JSON text");
+    requireShallow(json);
     try {
         return Json::parse(json);
     } catch (const Json::exception& e) {

@@ -9,6 +9,7 @@ namespace supercircle::c {
 
 namespace {
 
+constexpr int kDeepest = 100;                               ///< nesting of JSON, as the scene loader
 constexpr std::size_t kLongestText = std::size_t{64} << 20; ///< bytes, as the scene loader
 
 struct Texts {
@@ -103,6 +104,22 @@ std::string textOf(const char* text, std::int32_t bytes, const char* what) {
     if (bytes < -1 || length > kLongestText)
         refuse(SC_BAD_INPUT, std::string("the length of ") + what + " is below -1 or above 64 MiB");
     return {text, length};
+}
+
+void requireShallow(const std::string& json) {
+    int depth = 0;
+    bool quoted = false;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (c == '"')
+            quoted = !quoted;
+        else if (quoted && c == '\\')
+            ++i;
+        else if (!quoted)
+            depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+        if (depth > kDeepest)
+            refuse(SC_BAD_INPUT, "the JSON text is nested more than 100 deep");
+    }
 }
 
 std::string nameOf(const char* text, const char* what) {

@@ -49,7 +49,9 @@ std::vector<std::pair<std::string, double>> parametersOf(const char* json) {
     std::vector<std::pair<std::string, double>> out;
     if (json == nullptr)
         return out;
-    const Json all = Json::parse(textOf(json, -1, "the parameters"), nullptr, false);
+    const std::string text = textOf(json, -1, "the parameters");
+    requireShallow(text);
+    const Json all = Json::parse(text, nullptr, false);
     if (!all.is_object())
         refuse(SC_BAD_INPUT, "parameters are a JSON object of numbers, such as {\"mu\": 0.35}");
     for (const auto& [name, value] : all.items()) {

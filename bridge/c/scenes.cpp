@@ -1,6 +1,7 @@
 // Scenes and fragments of scenes.
 
 #include "bridge/box2d/box2d_port.h"
+#include "bridge/c/include/supercircle_box2d.h"
 #include "bridge/c/scene_text.h"
 #include "bridge/c/world.h"
 #include "supercircle/step/world.h"
@@ -138,6 +139,16 @@ sc_status sc_scene_step(sc_scene s, double dt, sc_frame* out) {
         inside(in.world, [&](World& x) {
             sc_frame frame{};
             step(x, dt, out != nullptr ? *out : frame, in.played->player.get());
+        });
+    });
+}
+
+sc_status sc_scene_pre_step(sc_scene s, double dt, sc_frame* out) {
+    return shielded([&] {
+        InScene in(s);
+        inside(in.world, [&](World& x) {
+            sc_frame frame{};
+            preStep(x, dt, out != nullptr ? *out : frame, in.played->player.get());
         });
     });
 }

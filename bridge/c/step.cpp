@@ -14,6 +14,17 @@ bool isBadInput(const FrameReport& report) {
     return report.advanced == 0.0 && report.failure.rfind("pre_step: ", 0) == 0;
 }
 
+/// Box2D ends the process when a body's numbers overflow.
+void requireFiniteBodies(const World& w) {
+    for (const b2Body* b = w.box2d->GetBodyList(); b != nullptr; b = b->GetNext()) {
+        const b2Vec2 v = b->GetLinearVelocity(), p = b->GetPosition();
+        for (const float x : {v.x, v.y, b->GetAngularVelocity(), p.x, p.y})
+            if (!(std::abs(x) < 1e15F))
+                refuse(SC_FAILED, "body " + std::to_string(w.attachment.body_id(*b)) +
+                                      " has a velocity or position that is not finite: destroy it or set them");
+    }
+}
+
 } // namespace
 
 std::string reportJson(const FrameReport& report) {
@@ -69,6 +80,7 @@ void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     const FrameReport report = scene != nullptr ? scene->pre_step(dt) : w.shells.pre_step(dt);
     describe(w, report, out);
     if (report.advanced > 0.0) {
+        requireFiniteBodies(w);
         w.box2d->Step(static_cast<float>(report.advanced), w.velocityIterations, w.positionIterations);
         w.attachment->stepped(report.advanced);
     }
@@ -76,6 +88,26 @@ void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     watchZones(w);
     if (!report.failure.empty())
         refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+}
+
+void preStep(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
+    if (w.own)
+        refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step and sc_scene_step advance both");
+    if (!(dt >= 0.0 && std::isfinite(dt)))
+        refuse(SC_BAD_INPUT, "dt must be a finite number of seconds, 0 or more");
+    w.requireUnlocked();
+    const FrameReport report = scene != nullptr ? scene->pre_step(dt) : w.shells.pre_step(dt);
+    describe(w, report, out);
+    if (!report.failure.empty())
+        refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+}
+
+void postStep(World& w) {
+    if (w.own)
+        refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step and sc_scene_step advance both");
+    w.requireUnlocked();
+    done(w.shells.post_step(), SC_FAILED);
+    watchZones(w);
 }
 
 } // namespace supercircle::c
@@ -107,25 +139,11 @@ sc_status sc_world_attach(b2World* host, const sc_world_def* def, sc_world* out)
 
 sc_status sc_world_pre_step(sc_world w, double dt, sc_frame* out) {
     return use(w, [&](World& x) {
-        if (x.own)
-            refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step advances both");
-        if (!(dt >= 0.0 && std::isfinite(dt)))
-            refuse(SC_BAD_INPUT, "dt must be a finite number of seconds, 0 or more");
-        x.requireUnlocked();
-        const FrameReport report = x.shells.pre_step(dt);
         sc_frame frame{};
-        describe(x, report, out != nullptr ? *out : frame);
-        if (!report.failure.empty())
-            refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+        preStep(x, dt, out != nullptr ? *out : frame, nullptr);
     });
 }
 
 sc_status sc_world_post_step(sc_world w) {
-    return use(w, [&](World& x) {
-        if (x.own)
-            refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step advances both");
-        x.requireUnlocked();
-        done(x.shells.post_step(), SC_FAILED);
-        watchZones(x);
-    });
+    return use(w, [&](World& x) { postStep(x); });
 }

@@ -158,6 +158,9 @@ inline sc_reaction out(const Reaction& r) {
 
 /// Advances shells (through the scene, if given) and bodies; refuses with SC_FAILED after a failed frame.
 void step(World& w, double dt, sc_frame& out, ScenePlayer* scene);
+/// The same in a host's world, before and after the host's step.
+void preStep(World& w, double dt, sc_frame& out, ScenePlayer* scene);
+void postStep(World& w);
 /// After a frame: the report, and what zones have to say.
 void describe(World& w, const FrameReport& report, sc_frame& out);
 void watchZones(World& w);

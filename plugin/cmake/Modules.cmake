@@ -113,7 +113,7 @@ endfunction()
 # a header sees nothing that it does not bring. Not part of `all`; .ci/run configures and builds it.
 function(sc_headers_alone)
   sc_glob(headers ${PROJECT_SOURCE_DIR}/supercircle/*.h ${PROJECT_SOURCE_DIR}/bridge/box2d/*.h ${PROJECT_SOURCE_DIR}/bridge/box2d/*.hpp
-          ${PROJECT_SOURCE_DIR}/plugin/*.h ${PROJECT_SOURCE_DIR}/plugin/*.hpp)
+          ${PROJECT_SOURCE_DIR}/bridge/c/*.h ${PROJECT_SOURCE_DIR}/plugin/*.h ${PROJECT_SOURCE_DIR}/plugin/*.hpp)
   set(groups)
   foreach(header ${headers})
     file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${header})

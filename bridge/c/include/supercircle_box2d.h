@@ -20,7 +20,9 @@ typedef struct b2World b2World;
 SC_API sc_status sc_world_attach(b2World* host, const sc_world_def* def, sc_world* out);
 /// Advances the shells by dt (s) before the host steps by sc_frame::advanced. SC_FAILED as of sc_world_step.
 SC_API sc_status sc_world_pre_step(sc_world w, double dt, sc_frame* out);
-/// After the host's step.
+/// The same for a scene that was loaded into the world.
+SC_API sc_status sc_scene_pre_step(sc_scene s, double dt, sc_frame* out);
+/// After the host's step, also of a scene.
 SC_API sc_status sc_world_post_step(sc_world w);
 /// The handle of a host's body.
 SC_API sc_status sc_body_of(sc_world w, const b2Body* body, sc_body* out);

@@ -20,8 +20,10 @@ thread_local sc_status lastStatus = SC_OK;
 
 } // namespace
 
-Request::Request(const char* text, std::vector<std::string> keys)
-    : json_(Json::parse(textOf(text, -1, "the request"), nullptr, false)) {
+Request::Request(const char* text, std::vector<std::string> keys) {
+    const std::string request = textOf(text, -1, "the request");
+    requireShallow(request);
+    json_ = Json::parse(request, nullptr, false);
     if (!json_.is_object())
         refuse(SC_BAD_INPUT, "the request is not a JSON object");
     for (const auto& [key, value] : json_.items())

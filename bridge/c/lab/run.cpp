@@ -81,8 +81,8 @@ const char* sc_lab_run(const char* request, sc_lab_progress progress, void* cont
     return answer([&] {
         const Request r(request,
                         {"scene", "file", "parameters", "seed", "threads", "fixed_dt_s", "pictures", "motion"});
-        const auto [text, file] = sceneText(r);
-        const Input input = startable(text, file, r.numbers("parameters"));
+        const auto source = sceneText(r);
+        const Input input = startable(source.first, source.second, r.numbers("parameters"));
         const bool pictures = r.flag("pictures", false), motion = r.flag("motion", false);
         lab::RunOptions options;
         options.seed = static_cast<std::uint64_t>(r.integer("seed", 1, 0, std::int64_t{1} << 53));
@@ -96,7 +96,7 @@ const char* sc_lab_run(const char* request, sc_lab_progress progress, void* cont
             options.progress = [&](const lab::RunProgress& p) { watch.tell(p.fraction, p.phase); };
             const lab::RunResult result = lab::runScene(input.scene, input.host, options);
             if (result.status == lab::RunStatus::BadScene)
-                refuse(SC_BAD_INPUT, file + ": " + result.message);
+                refuse(SC_BAD_INPUT, source.second + ": " + result.message);
             return resultJson(result, input, pictures, motion);
         });
     });

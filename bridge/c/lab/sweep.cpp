@@ -52,8 +52,6 @@ Plan planOf(const Request& r) {
             refuse(SC_BAD_INPUT, scene::errorText(problems));
         plan.sceneText = *read;
     }
-    for (std::size_t set = 0; set < plan.definition.sets.size(); ++set) // all of them can be started
-        (void)startable(plan.sceneText, plan.sceneFile, plan.definition.parameterValues(set));
     plan.tasks = sweep::tasks(plan.definition, {});
     const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
     plan.jobs = static_cast<std::size_t>(r.integer("jobs", static_cast<std::int64_t>(cores), 1, 256));
@@ -86,6 +84,8 @@ Json runOne(const Plan& plan, const sweep::Task& task, const Watch& watch) {
 }
 
 Json runAll(const Plan& plan, Watch& watch) {
+    for (std::size_t set = 0; set < plan.definition.sets.size() && !watch.cancelled(); ++set) // all can be started
+        (void)startable(plan.sceneText, plan.sceneFile, plan.definition.parameterValues(set));
     std::vector<Json> rows(plan.tasks.size());
     std::atomic<std::size_t> next{0}, finished{0};
     const auto work = [&] {

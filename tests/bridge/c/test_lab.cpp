@@ -94,6 +94,8 @@ TEST_CASE("requests that make no sense are refused with a sentence", "[c][lab]")
     for (const Call call : {sc_lab_run, sc_lab_sweep, sc_lab_import, sc_lab_replay, sc_lab_diagnose, sc_lab_check})
         for (const char* request : {static_cast<const char*>(nullptr), "", "[]", "{\"file\": 3}", "{}", "\xff"})
             CHECK(refusal(call, request).size() > 10);
+    const std::string deep = "{\"scene\": {\"a\": " + std::string(100000, '[') + std::string(100000, ']') + "}}";
+    CHECK(refusal(sc_lab_run, deep.c_str()).find("deep") != std::string::npos);
     CHECK(refusal(sc_lab_run, "{\"scen\": {}}").find("did you mean \"scene\"") != std::string::npos);
     CHECK(refusal(sc_lab_run, "{\"scene\": {}, \"seed\": -1}").find("\"seed\"") != std::string::npos);
     CHECK(refusal(sc_lab_replay, "{\"file\": \"/nowhere/experiment.json\"}").find("nowhere") != std::string::npos);

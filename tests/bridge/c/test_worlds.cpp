@@ -8,6 +8,7 @@
 #include <atomic>
 #include <box2d/box2d.h>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -231,6 +232,32 @@ TEST_CASE("zones, events and texts tell what happened", "[c]") {
     CHECK(std::string(sc_error()).find("did you mean \"body\"") != std::string::npos);
     CHECK(std::string(sc_error()).find("did you mean \"shell\"") != std::string::npos); // all of them
     sc_world_destroy(w);
+}
+
+TEST_CASE("what would end the process is refused", "[c]") {
+    const sc_world w = makeWorld();
+    const sc_shell s = makeShell(w, 0.0, 0.05);
+    sc_body ball{};
+    REQUIRE(sc_body_find(w, "ball", &ball) == SC_OK);
+    const sc_status added =
+        sc_world_add(w, R"({"schema": "supercircle-scene/1", "body": [{"name": "dust", "type": 2, "position":
+        {"x": 0.2, "y": 0.2}, "fixture": [{"density": 0.1, "circle": {"center":
+        {"x": 0, "y": 0}, "radius": 0.001}}]}]})",
+                     -1);
+    INFO(sc_error());
+    REQUIRE(added == SC_OK);
+    sc_body dust{};
+    REQUIRE(sc_body_find(w, "dust", &dust) == SC_OK);
+    CHECK(sc_body_apply_impulse(w, dust, {0.0, 1e4}, {1.2, 0.2}) == SC_BAD_INPUT);
+    CHECK(sc_body_set_pose(w, ball, {1e300, 0.0}, 0.0) == SC_BAD_INPUT);
+    CHECK(sc_body_set_velocity(w, ball, {0.0, 0.0}, NAN) == SC_BAD_INPUT);
+    const std::string deep(100000, '[');
+    CHECK(sc_shell_set_effects(w, s, deep.c_str()) == SC_BAD_INPUT);
+    CHECK(sc_world_add(w, deep.c_str(), -1) == SC_BAD_INPUT);
+    sc_scene scene{};
+    CHECK(sc_scene_load(w, "{}", -1, nullptr, deep.c_str(), 1, &scene) == SC_BAD_INPUT);
+    CHECK(sc_world_step(w, 1.0 / 240.0, nullptr) == SC_OK);
+    CHECK(sc_world_destroy(w) == SC_OK);
 }
 
 TEST_CASE("shells live in the b2World of a C++ host", "[c]") {

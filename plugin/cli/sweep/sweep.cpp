@@ -1,3 +1,4 @@
+#include "plugin/cli/build_name.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/subcommands.h"
@@ -43,17 +44,6 @@ int cannotWrite(const std::string& message) {
 std::string hostName() {
     char name[256] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
-
-/// Version and checksum (FNV-1a) of this program: results are bitwise identical for the same program only.
-std::string buildName() {
-    std::uint64_t h = 14695981039346656037ULL;
-    if (const auto program = record::readText("/proc/self/exe"))
-        for (const char c : *program)
-            h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-    char text[64];
-    std::snprintf(text, sizeof text, "%s %016llx", SC_VERSION, static_cast<unsigned long long>(h));
-    return text;
 }
 
 /// Lets at most one program at a time work in a folder. The lock ends with the process.

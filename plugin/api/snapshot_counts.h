@@ -27,16 +27,16 @@ void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Counters> auto& c) {
-    auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
-           contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
+    auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, byAbsoluteFloor, crossings,
+           quarantined, contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
     ar(steps, rejected);
     for (std::size_t i = 0; i < rejectedFor.size(); ++i)
         if (static_cast<step::Reason>(i) != step::Reason::StatusChange)
             ar(rejectedFor[i]);
     auto& statusChanges = rejectedFor[static_cast<std::size_t>(step::Reason::StatusChange)];
     ioUnless(ar, statusChanges == 0, statusChanges); // quasi-static runs have none
-    ar(solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined, contactResidualMax, contactsMax,
-       activeContactsMax, penetrationMax);
+    ar(solves, gaussSeidelIterations, pivots, unconverged, byAbsoluteFloor, crossings, quarantined, contactResidualMax,
+       contactsMax, activeContactsMax, penetrationMax);
 }
 
 } // namespace supercircle::archive

@@ -237,6 +237,7 @@ void Session::summarise() {
     put("length_error_max", lengthError(w));
     put("contact_residual_max", w.counters.contactResidualMax);
     put("unconverged_steps", whole(w.counters.unconverged));
+    put("absolute_floor_steps", whole(w.counters.byAbsoluteFloor));
     put("rejected_steps", whole(w.counters.rejected));
     for (std::size_t i = 1; i < w.counters.rejectedFor.size(); ++i)
         put(std::string("rejected_") + step::name(static_cast<step::Reason>(i)), whole(w.counters.rejectedFor[i]));

@@ -44,8 +44,10 @@ public:
         (*this)(x...);
     }
     void word(std::uint64_t value, int count) {
-        for (int i = 0; i < count; ++i)
-            bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+        std::array<std::uint8_t, 8> little{};
+        for (int i = 0; i < 8; ++i)
+            little[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (8 * i));
+        bytes.insert(bytes.end(), little.begin(), little.begin() + count);
     }
 };
 

@@ -90,7 +90,6 @@ void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t numb
     const bool moves = segment.kind == scene::ProtocolSegment::Kind::Travel;
     const double speed = moves ? segment.speed : 0.0;
     bool done = false;
-    const auto reachedForce = [&] { return done = force() >= segment.stop_when.force; };
     const std::size_t total = std::max<std::size_t>(1, scene_.protocol->segments.size());
     int count = 0;
     while (!done) {
@@ -102,7 +101,8 @@ void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t numb
             break;
         if (left < dt * (1.0 + 1e-6)) // the last frame ends with the segment: no tiny frame remains
             dt = left;
-        if (!frame(dt, std::isfinite(segment.stop_when.force) ? std::function<bool()>(reachedForce) : nullptr))
+        const double limit = segment.stop_when.force;
+        if (std::isfinite(limit) ? !frameToForce(dt, limit, done) : !frame(dt, {}))
             break;
         if (segment.kind == scene::ProtocolSegment::Kind::Settle) {
             double fastest = 0.0;

@@ -65,6 +65,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       energyRelease_(kReleaseWindow * scene.report.R), wallStart_(wallSeconds()), cpuStart_(cpuSeconds()) {
     lastCheckpoint_ = wallStart_;
+    repeatable_ = whyNoCheckpoint(scene).empty();
     step::Settings& s = shells_.stepper().settings();
     sizeRatio_ = sizeRatioOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
@@ -277,20 +278,34 @@ double Session::travel() const {
            (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / math::hypot(f, apparatus_.slackForce) : 0.0);
 }
 
-bool Session::frame(double dt, const std::function<bool()>& stop) {
+/// False: the run is interrupted.
+bool Session::beginFrame() {
     keepCheckpoint();
-    if (interrupted()) {
-        status_ = RunStatus::Interrupted;
-        message_ = "interrupted";
+    if (!interrupted())
+        return true;
+    status_ = RunStatus::Interrupted;
+    message_ = "interrupted";
+    return false;
+}
+
+/// What is kept of every step.
+void Session::record() {
+    sample();
+    keepFrame(false);
+    watchVibration();
+}
+
+bool Session::frame(double dt, const std::function<bool()>& stop) {
+    if (!beginFrame())
         return false;
-    }
-    const FrameReport r = shells_.pre_step(dt, [&] {
-        sample();
-        keepFrame(false);
-        watchVibration();
-        // With checkpoints the frame is completed: a run that is continued makes the same frames.
-        return (!options_.checkpoint.file && interrupted()) || (stop && stop());
-    });
+    return endFrame(shells_.pre_step(dt, [&] {
+        record();
+        return stopsAtOnce() || (stop && stop());
+    }));
+}
+
+/// Lets the host follow; false: the run is over.
+bool Session::endFrame(const FrameReport& r) {
     std::string failure = r.failure;
     if (r.advanced > 0.0) {
         host_->step(r.advanced);

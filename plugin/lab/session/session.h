@@ -67,6 +67,13 @@ private:
     [[nodiscard]] bool begins() { return !std::exchange(resumes_, false); }
 
     [[nodiscard]] bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
+    [[nodiscard]] bool frameToForce(double dt, double limit, bool& reached);
+    [[nodiscard]] bool cutToForce(double low, double high, double span, double limit, bool& reached);
+    [[nodiscard]] bool beginFrame();
+    [[nodiscard]] bool endFrame(const FrameReport& report);
+    void record();
+    /// With checkpoints a frame is completed: a run that is continued makes the same frames.
+    [[nodiscard]] bool stopsAtOnce() const { return !options_.checkpoint.file && interrupted(); }
     bool settle(double speed, double longest);
     void approach(); ///< brings the crosshead to first contact
     [[nodiscard]] bool beginApproach();
@@ -129,6 +136,7 @@ private:
     double localError_ = 0.0;              ///< as in step::Settings, but for the drop ...
     double motionLimit_ = 0.0;             ///< ... where both are coarser
     bool secondOrder_ = false;             ///< as in step::Settings, but for settling at the start
+    bool repeatable_ = false;              ///< a frame can be made again: no host body keeps forces to itself
     double sizeRatio_ = 1.0;               ///< of the shells, over the size that the absolute settings are for
     double frame_ = 4e-3;                  ///< s, one call of pre_step
     step::EnergyBalance energyAtStart_{};  ///< when the protocol began

@@ -9,9 +9,10 @@ namespace supercircle::lab {
 
 namespace {
 
-/// Of the stop force, by which the last step may pass it. Each tenfold less takes one more step.
+/// Of the stop force, by which the last step may pass it.
 constexpr double kOvershoot = 1e-3;
-constexpr int kMostTrials = 64; ///< each takes at least a tenth of what is left
+constexpr int kMostTrials = 40, kSecants = 8; ///< bisections follow
+constexpr double kShortest = 1e-4; ///< of a step: where a tenth of a per mille of it decides, the force leaps
 
 } // namespace
 
@@ -47,42 +48,35 @@ bool Session::frameToForce(double dt, double limit, bool& reached) {
     return cutToForce(before, passed, span, limit, reached);
 }
 
-/// Steps to the limit from `low` (N), which a step of `span` s would pass and end at `high`.
+/// Finds the step from here that ends at the limit. One of `span` s passes it and ends at `high` (N), from `low`.
+/// Trials that miss are undone: a row of ever shorter steps would excite vibrations, in which the force leaps.
 bool Session::cutToForce(double low, double high, double span, double limit, bool& reached) {
     step::World& w = shells_.world();
     const double usualStep = w.dtNext, most = limit + kOvershoot * std::abs(limit);
+    const Snapshot start = shells_.save();
+    const double from = w.time;
+    double shorter = 0.0, longer = span; // s, steps that end below and above the limit
     for (int trial = 0; trial < kMostTrials && !reached; ++trial) {
-        const double share = (0.5 * (limit + most) - low) / (high - low);
-        const double dt = span * std::clamp(share, 0.1, 0.9);
-        const bool shortest = dt <= shells_.stepper().settings().dtMin || trial + 1 == kMostTrials;
-        const Snapshot start = shells_.save();
-        const double from = w.time;
-        double passed = 0.0;
+        const bool last = trial + 1 == kMostTrials || longer - shorter < kShortest * span;
+        const double share = trial < kSecants ? std::clamp((0.5 * (limit + most) - low) / (high - low), 0.1, 0.9) : 0.5;
+        const double dt = last ? (shorter > 0.0 ? shorter : span) : shorter + share * (longer - shorter);
+        double end = 0.0, taken = 0.0;
         const FrameReport r = shells_.pre_step(dt, [&] {
-            const double now = force();
-            if (!shortest && now > most) {
-                passed = now;
-                return true;
-            }
-            record();
-            low = now;
-            reached = now >= limit;
+            end = force();
+            taken = w.time - from;
+            reached = end >= limit && (end <= most || last);
+            if (reached || last)
+                record();
             return true;
         });
-        const double taken = w.time - from;
-        if (passed > 0.0) {
-            shells_.restore(start).or_fail();
-            high = passed;
-            span = taken;
-            continue;
+        if (reached || last || !r.failure.empty()) {
+            w.dtNext = std::max(w.dtNext, usualStep);
+            return endFrame(r);
         }
-        span = std::max(span - taken, 0.0);
-        if (!endFrame(r))
-            return false;
-        if (span <= shells_.stepper().settings().dtMin)
-            break; // the limit is reached in a step of the usual size
+        shells_.restore(start).or_fail();
+        (end < limit ? shorter : longer) = taken;
+        (end < limit ? low : high) = end;
     }
-    w.dtNext = std::max(w.dtNext, usualStep);
     return true;
 }
 

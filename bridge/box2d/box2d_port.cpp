@@ -125,19 +125,25 @@ struct Box2dPort::Impl {
         b->ApplyAngularImpulse(static_cast<float>(angular * scale * scale), true);
     }
 
-    void drive(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
+    /// Null, with an error, unless there is such a kinematic body. It gets this pose and velocity.
+    b2Body* place(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
         b2Body* b = registry.body(id);
         if (b == nullptr || b->GetType() != b2_kinematicBody) {
             recordError(b == nullptr ? "drive: the body no longer exists; the call is ignored"
                                      : "drive: the body is not kinematic; only kinematic bodies can be driven");
-            return;
+            return nullptr;
         }
         const b2Vec2 host = toHost(centre, scale);
         const b2Rot rotation(static_cast<float>(angle));
         b->SetTransform(host - b2Mul(rotation, b->GetLocalCenter()), static_cast<float>(angle));
         b->SetLinearVelocity(toHost(velocity, scale));
         b->SetAngularVelocity(static_cast<float>(spin));
-        driven[id] = {centre, angle, velocity, spin, b->GetWorldCenter(), b->GetAngle()};
+        return b;
+    }
+
+    void drive(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
+        if (const b2Body* b = place(id, centre, angle, velocity, spin))
+            driven[id] = {centre, angle, velocity, spin, b->GetWorldCenter(), b->GetAngle()};
     }
 
     void reportExactMotion(BodyId id, const b2Body& body, BodyState& out) const {
@@ -346,6 +352,11 @@ void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2&
         return;
     }
     impl_->drive(body, centre, angle, velocity, spin);
+}
+
+void Box2dPort::put(BodyId body, const BodyState& state) {
+    impl_->sync(false);
+    impl_->place(body, state.centre, state.angle, state.velocity, state.spin);
 }
 
 BodyId Box2dPort::find(const std::string& name) const {

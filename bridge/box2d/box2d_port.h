@@ -55,6 +55,8 @@ public:
     void place(step::BodyId body, const step::Vec2& centre, double angle) override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
+    /// As of step::HostWorld; outside of the world's own step.
+    void put(step::BodyId body, const step::BodyState& state);
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
     /// Creates the bodies and joints in the world (scale of this port, not of the definition), names them for find(),
     /// and sets the world's gravity.

@@ -54,6 +54,7 @@ public:
     std::string shiftOrigin(const Vec2& by) override { return port_.shiftOrigin(by); }
     [[nodiscard]] std::string takeNote() const override { return port_.takeNote(); }
     void everything(std::vector<BodyOutline>& out) const override { port_.everything(out); }
+    void put(BodyId body, const BodyState& state) override { port_.put(body, state); }
 
     void step(double dt) override {
         if (!std::isfinite(dt) || dt <= 0.0)

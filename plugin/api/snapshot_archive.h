@@ -1,6 +1,7 @@
 #pragma once
-// Serialisation of a state (private to plugin/api): one list of fields per struct (snapshot_fields.h) serves saving,
-// loading and hashing. Numbers are stored in little-endian order with all their bits, so files are portable.
+// Serialisation of a state (for plugin/api and the checkpoints of plugin/lab): one list of fields per struct
+// (snapshot_fields.h) serves saving, loading and hashing. Numbers are stored in little-endian order with all their
+// bits, so files are portable.
 
 #include "supercircle/contact/outline_points.h"
 #include "supercircle/support/result.h"
@@ -10,6 +11,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -42,8 +44,10 @@ public:
         (*this)(x...);
     }
     void word(std::uint64_t value, int count) {
-        for (int i = 0; i < count; ++i)
-            bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+        std::array<std::uint8_t, 8> little{};
+        for (int i = 0; i < 8; ++i)
+            little[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(value >> (8 * i));
+        bytes.insert(bytes.end(), little.begin(), little.begin() + count);
     }
 };
 
@@ -184,6 +188,28 @@ void io(Ar& ar, const std::vector<T>& x) {
 template <class Ar, class T>
 requires std::default_initializable<T>
 void io(Ar& ar, std::vector<T>& x) {
+    x.assign(ar.count(), T{});
+    for (T& e : x)
+        ar(e);
+}
+
+template <class Ar, class A, class B>
+void io(Ar& ar, const std::pair<A, B>& x) {
+    ar(x.first, x.second);
+}
+template <class Ar, class A, class B>
+void io(Ar& ar, std::pair<A, B>& x) {
+    ar(x.first, x.second);
+}
+
+template <class Ar, class T>
+void io(Ar& ar, const std::deque<T>& x) {
+    ar.word(x.size(), 8);
+    for (const T& e : x)
+        ar(e);
+}
+template <class Ar, class T>
+void io(Ar& ar, std::deque<T>& x) {
     x.assign(ar.count(), T{});
     for (T& e : x)
         ar(e);

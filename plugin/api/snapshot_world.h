@@ -3,20 +3,12 @@
 
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_archive.h"
+#include "plugin/api/snapshot_counts.h"
 #include "plugin/api/snapshot_effects.h"
 
 #include <algorithm>
 
 namespace supercircle::archive {
-
-/// A value that does not count in the hash while it changes nothing.
-template <class Ar>
-void ioUnless(Ar& ar, bool neutral, auto& value) {
-    if (neutral)
-        ar.unhashed(value);
-    else
-        ar(value);
-}
 
 template <class Ar>
 void io(Ar& ar, Is<rod::RodDefinition> auto& d) {
@@ -289,30 +281,6 @@ template <class Ar>
 void io(Ar& ar, Is<contact::Candidate> auto& c) {
     auto& [a, b, outline, normal, pointA, pointB, gap, id] = c;
     ar(a, b, outline, normal, pointA, pointB, gap, id);
-}
-
-template <class Ar>
-void io(Ar& ar, Is<step::EnergyBalance> auto& l) {
-    auto& [kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, injected, effects,
-           damping, toBodies] = l;
-    auto& [contact, link, hold, drift, rolling] = injected;
-    ar(kinetic, bending, gravity, added, work, friction, impact, numerical, positionCorrection, effects, toBodies);
-    ioUnless(ar, !(damping > 0.0), damping);
-    ar.unhashed(contact, link, hold, drift, rolling); // parts of positionCorrection
-}
-
-template <class Ar>
-void io(Ar& ar, Is<step::Counters> auto& c) {
-    auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined,
-           contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
-    ar(steps, rejected);
-    for (std::size_t i = 0; i < rejectedFor.size(); ++i)
-        if (static_cast<step::Reason>(i) != step::Reason::StatusChange)
-            ar(rejectedFor[i]);
-    auto& statusChanges = rejectedFor[static_cast<std::size_t>(step::Reason::StatusChange)];
-    ioUnless(ar, statusChanges == 0, statusChanges); // quasi-static runs have none
-    ar(solves, gaussSeidelIterations, pivots, unconverged, crossings, quarantined, contactResidualMax, contactsMax,
-       activeContactsMax, penetrationMax);
 }
 
 template <class Ar>

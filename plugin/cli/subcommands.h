@@ -25,7 +25,9 @@ struct RunArguments {
     double fixedDt = 0.0; ///< s, 0: adaptive
     bool noReport = false;
     bool quiet = false;
-    std::string dump; ///< folder for FCP2D problems, empty: none
+    std::string dump;        ///< folder for FCP2D problems, empty: none
+    double checkpoint = 0.0; ///< s of wall clock between states in the output folder, 0: none
+    bool resume = false;     ///< continue from the state in the output folder
 };
 
 struct ReplayArguments {

@@ -387,6 +387,7 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     report.converged = s.target.reached(residual);
     report.contactResidual = s.target.isRoundOff(residual) ? std::min(residual.contactResidual, options.tolerance)
                                                            : residual.contactResidual;
+    report.byAbsoluteFloor = report.converged && report.contactResidual > options.tolerance;
     report.penetrationSpeed = residual.penetrationSpeed;
     report.impulseError = residual.impulseError;
     for (std::size_t c = 0; c < problem.contacts.size(); ++c)

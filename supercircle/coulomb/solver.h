@@ -51,6 +51,7 @@ struct SolveEffort {
 /// Result of one solve. Every field is set for every method.
 struct SolveReport {
     bool converged = false;
+    bool byAbsoluteFloor = false;  ///< converged by SolverOptions::absoluteImpulse, the residual above the tolerance
     double contactResidual = 0.0;  ///< of the returned impulses, 1; at most the tolerance where only round-off is left
     double penetrationSpeed = 0.0; ///< max(-u_n), of bilateral contacts |u_n| (and |u_t| if locked), m/s
     double impulseError = 0.0;     ///< largest |F_c|, N s

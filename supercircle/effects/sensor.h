@@ -17,6 +17,12 @@ public:
     /// The reading (N) at `time` (s, not decreasing) of a force (N) that is linear between the last value and this one.
     double read(double time, double force);
 
+    /// Calls `archive` with all that changes, for saving and loading.
+    template <class Self, class Archive>
+    static void state(Self& self, Archive& archive) {
+        archive(self.started_, self.start_, self.last_, self.input_, self.output_, self.past_);
+    }
+
 private:
     double delayed(double time, double force);
 

@@ -104,6 +104,10 @@ public:
     virtual void step(double dt) = 0;
     /// All outlines of all bodies, for pictures; local frames as in BodyOutline.
     virtual void everything(std::vector<BodyOutline>& out) const = 0;
+    /// Puts a kinematic body back into a state that state() gave, to the last bit.
+    virtual void put(BodyId body, const BodyState& state) {
+        drive(body, state.centre, state.angle, state.velocity, state.spin);
+    }
 };
 
 } // namespace supercircle::step

@@ -36,6 +36,7 @@ Counters& Counters::operator+=(const Counters& o) {
     gaussSeidelIterations += o.gaussSeidelIterations;
     pivots += o.pivots;
     unconverged += o.unconverged;
+    byAbsoluteFloor += o.byAbsoluteFloor;
     crossings += o.crossings;
     quarantined += o.quarantined;
     contactResidualMax = std::max(contactResidualMax, o.contactResidualMax);

@@ -221,7 +221,8 @@ struct Counters {
     std::uint64_t solves = 0;
     std::uint64_t gaussSeidelIterations = 0;
     std::uint64_t pivots = 0;
-    std::uint64_t unconverged = 0; ///< accepted steps whose contact residual stayed above tolerance
+    std::uint64_t unconverged = 0;     ///< accepted steps whose contact residual stayed above tolerance
+    std::uint64_t byAbsoluteFloor = 0; ///< accepted steps that are converged by SolverOptions::absoluteImpulse alone
     std::uint64_t crossings =
         0; ///< found by the crossing check in a step that could not be cut further (such pairs become overlaps)
     std::uint64_t quarantined = 0;       ///< rods taken out because of bad numbers or runaways

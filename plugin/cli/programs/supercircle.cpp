@@ -30,6 +30,11 @@ Subcommand describeRun(CLI::App& app) {
     run->add_flag("--no-report", a.noReport, "no pictures and no page, only the data");
     run->add_flag("--quiet", a.quiet, "print nothing but errors");
     run->add_option("--dump", a.dump, "folder that receives every contact problem as an FCP2D file")->type_name("DIR");
+    run->add_option("--checkpoint", a.checkpoint,
+                    "keep a state in the output folder, so often and when interrupted, from which --resume continues")
+        ->check(positive)
+        ->type_name("SECONDS");
+    run->add_flag("--resume", a.resume, "continue from the state in the output folder, to the same bytes");
     run->footer("Exit codes: 0 done; 2 bad input; 3 the simulation could not go on; 4 output could not be written;\n"
                 "130 interrupted. After 3 and 130 the results so far are written.");
     return {run, [arguments] { return cli::run(*arguments); }};

@@ -1,10 +1,14 @@
+#include "plugin/cli/build_name.h"
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/subcommands.h"
 
+#include "plugin/lab/session/checkpoint.h"
 #include "plugin/lab/session/run_scene.h"
 #include "plugin/pages/run/report.h"
+#include "plugin/recording/table/files.h"
+#include "plugin/recording/table/text.h"
 #include "plugin/recording/table/writer.h"
 #include "supercircle/coulomb/dump.h"
 
@@ -96,6 +100,53 @@ std::string writeAll(const record::Recording& recording, const std::string& fold
     return reportError.empty() ? old : reportError;
 }
 
+std::string numberText(double value) {
+    std::string out;
+    record::appendNumber(out, value);
+    return out;
+}
+
+/// What decides the numbers of the run. Threads do not.
+lab::RunIdentity identityOf(const RunArguments& a, const scene::Scene& scene) {
+    const auto text = record::readText(a.scene);
+    lab::RunIdentity identity{{"program", buildName()},
+                              {"text of the scene", checksum(text ? *text : std::string{})},
+                              {"--seed", std::to_string(a.seed)},
+                              {"--fixed-dt", numberText(a.fixedDt)}};
+    for (const scene::Parameter& p : scene.parameters)
+        identity.emplace_back("parameter " + p.name, numberText(p.value));
+    return identity;
+}
+
+/// Checkpoints of the run and the state to continue from; the exit code where the run must not start, else kDone.
+int prepareCheckpoint(const RunArguments& a, const scene::Scene& scene, const lab::CheckpointFile& file,
+                      lab::CheckpointOptions& options) {
+    if (a.checkpoint <= 0.0 && !a.resume)
+        return kDone;
+    if (const std::string why = lab::whyNoCheckpoint(scene); !why.empty())
+        return complain(kBadInput, a.scene + ": " + why + "; run it without --checkpoint and --resume");
+    options.file = &file;
+    if (a.checkpoint > 0.0)
+        options.interval = a.checkpoint;
+    options.onFailure = [](const std::string& why) {
+        std::fprintf(stderr, "warning: no checkpoint was written: %s; the run goes on\n", why.c_str());
+    };
+    if (!a.resume)
+        return file.exists()
+                   ? complain(kBadInput, file.path() + " is the checkpoint of a run that was interrupted; continue it "
+                                                       "with --resume, or remove the file to begin anew")
+                   : kDone;
+    if (!file.exists()) {
+        std::fprintf(stderr, "there is no checkpoint %s: the run starts from the beginning\n", file.path().c_str());
+        return kDone;
+    }
+    auto state = file.read();
+    if (!state)
+        return complain(kBadInput, state.error());
+    options.resume = *std::move(state);
+    return kDone;
+}
+
 } // namespace
 
 int run(const RunArguments& a) {
@@ -118,6 +169,10 @@ int run(const RunArguments& a) {
     options.progress = [&](const lab::RunProgress& p) { line.show(p); };
     if (!a.dump.empty())
         options.onSolve = [&](const coulomb::Problem& p, const coulomb::SolveReport&) { dump.write(p); };
+    const bool kept = a.checkpoint > 0.0 || a.resume;
+    const lab::CheckpointFile checkpoint(folder.path(), kept ? identityOf(a, input->scene) : lab::RunIdentity{});
+    if (const int code = prepareCheckpoint(a, input->scene, checkpoint, options.checkpoint); code != kDone)
+        return code;
     const lab::RunResult out = lab::runScene(input->scene, input->host, options);
     line.clear();
     if (out.status == lab::RunStatus::BadScene) {
@@ -137,7 +192,8 @@ int run(const RunArguments& a) {
         return kCannotGoOn;
     }
     if (out.status == lab::RunStatus::Interrupted) {
-        std::fprintf(stderr, "interrupted; what is done is in %s\n", folder.path().c_str());
+        std::fprintf(stderr, "interrupted; what is done is in %s%s\n", folder.path().c_str(),
+                     checkpoint.exists() && options.checkpoint.file ? "; --resume continues" : "");
         return kInterrupted;
     }
     return wasPrinted ? kDone : kCannotWrite;

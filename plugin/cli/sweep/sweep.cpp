@@ -1,3 +1,4 @@
+#include "plugin/cli/build_name.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/subcommands.h"
@@ -13,7 +14,6 @@
 #include "plugin/lab/sweep/workers.h"
 #include "plugin/recording/table/files.h"
 #include "plugin/scene/loader/document.h"
-#include "supercircle/support/hash.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -44,15 +44,6 @@ int cannotWrite(const std::string& message) {
 std::string hostName() {
     char name[256] = {};
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
-}
-
-/// Version and check sum of this program: results are bitwise identical for the same program only.
-std::string buildName() {
-    const auto program = record::readText("/proc/self/exe");
-    const std::uint64_t h = program ? checkSum(*program) : kHashStart64;
-    char text[64];
-    std::snprintf(text, sizeof text, "%s %016llx", SC_VERSION, static_cast<unsigned long long>(h));
-    return text;
 }
 
 /// Lets at most one program at a time work in a folder. The lock ends with the process.

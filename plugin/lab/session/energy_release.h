@@ -20,6 +20,12 @@ public:
     void restart() { recent_.clear(); }
     [[nodiscard]] double largest() const { return largest_; } ///< J
 
+    /// Calls `archive` with all that changes, for saving and loading.
+    template <class Self, class Archive>
+    static void state(Self& self, Archive& archive) {
+        archive(self.largest_, self.recent_);
+    }
+
 private:
     using RecentMaxima = std::deque<std::pair<double, double>>; ///< travel and energy; energies decrease
 

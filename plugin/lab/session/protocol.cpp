@@ -7,11 +7,12 @@
 
 namespace supercircle::lab {
 
-void Session::approach() {
+/// Puts the crosshead just above the specimen and lets it go down slowly. False: there is no approach, or the run ends.
+bool Session::beginApproach() {
     const scene::Protocol& p = *scene_.protocol;
     pileHeight_ = pileTop();
     if (!p.zero_at_first_contact)
-        return;
+        return false;
     phase_ = "approach";
     step::World& w = shells_.world();
     const double free = crossheadBottom() - pileTop();
@@ -24,14 +25,24 @@ void Session::approach() {
             }
         w.range.clear();
     }
-    // The pile may still move by a few micrometres: approach slowly until the first force.
-    const double speed = p.approach_speed > 0.0 ? p.approach_speed : 1e-3;
-    if (!setCrossheadSpeed(speed))
+    if (!setCrossheadSpeed(approachSpeed()))
+        return false;
+    setStepLimits(10.0 * approachSpeed()); // small steps give an exact height at first contact
+    at_.start = shells_.time();
+    return true;
+}
+
+/// The pile may still move by a few micrometres: slow until the first force.
+double Session::approachSpeed() const {
+    return scene_.protocol->approach_speed > 0.0 ? scene_.protocol->approach_speed : 1e-3;
+}
+
+void Session::approach() {
+    if (begins() && !beginApproach())
         return;
-    setStepLimits(10.0 * speed); // small steps give an exact height at first contact
+    const double longest = 1.0 + (scene_.protocol->approach_gap + 1e-3) / approachSpeed();
     bool touched = false;
-    const double start = shells_.time();
-    while (!touched && shells_.time() - start < 1.0 + (p.approach_gap + 1e-3) / speed)
+    while (!touched && shells_.time() - at_.start < longest)
         if (!frame(frame_, [&] { return touched = force() > 0.0; }))
             return;
     shells_.set_crosshead_velocity({0.0, 0.0}).or_fail();
@@ -48,14 +59,14 @@ bool Session::setCrossheadSpeed(double speed) {
     return static_cast<bool>(set);
 }
 
-void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t number) {
-    const scene::Protocol& p = *scene_.protocol;
+/// Sets speed, step limits and what is recorded; false: the run ends.
+bool Session::beginSegment(const scene::ProtocolSegment& segment) {
     const bool moves = segment.kind == scene::ProtocolSegment::Kind::Travel;
     const double speed = moves ? segment.speed : 0.0;
     if (speed != 0.0)
         reversed_ = speed < 0.0;
     if (!setCrossheadSpeed(speed))
-        return;
+        return false;
     double branch = std::isfinite(segment.stop_when.displacement) ? std::abs(segment.stop_when.displacement - travel())
                                                                   : 0.25 * pileHeight_;
     if (std::isfinite(segment.stop_when.force)) // whichever comes first; a distant displacement may be a mere limit
@@ -67,39 +78,47 @@ void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t numb
     energyRelease_.restart();
     phase_ = moves ? (speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, segment.cycle))
                    : (segment.kind == scene::ProtocolSegment::Kind::Hold ? "hold" : "settle");
-    const std::size_t firstRow = out_.series.rows();
-    const double start = shells_.time();
-    const double travelAtStart = travel();
+    at_.firstRow = out_.series.rows();
+    at_.start = shells_.time();
+    at_.travelAtStart = travel();
+    return true;
+}
+
+void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t number) {
+    if (begins() && !beginSegment(segment))
+        return;
+    const bool moves = segment.kind == scene::ProtocolSegment::Kind::Travel;
+    const double speed = moves ? segment.speed : 0.0;
     bool done = false;
-    const auto reachedForce = [&] { return done = force() >= segment.stop_when.force; };
-    const std::size_t total = std::max<std::size_t>(1, p.segments.size());
+    const std::size_t total = std::max<std::size_t>(1, scene_.protocol->segments.size());
     int count = 0;
     while (!done) {
         double dt = frame_;
-        double left = segment.stop_when.time - (shells_.time() - start);
+        double left = segment.stop_when.time - (shells_.time() - at_.start);
         if (speed != 0.0 && std::isfinite(segment.stop_when.displacement))
             left = std::min(left, (segment.stop_when.displacement - travel()) / speed);
         if (left <= 1e-6 * dt)
             break;
         if (left < dt * (1.0 + 1e-6)) // the last frame ends with the segment: no tiny frame remains
             dt = left;
-        if (!frame(dt, std::isfinite(segment.stop_when.force) ? std::function<bool()>(reachedForce) : nullptr))
+        const double limit = segment.stop_when.force;
+        if (std::isfinite(limit) ? !frameToForce(dt, limit, done) : !frame(dt, {}))
             break;
         if (segment.kind == scene::ProtocolSegment::Kind::Settle) {
             double fastest = 0.0;
             for (const step::Rod& r : shells_.world().rods)
                 fastest = std::max(fastest, r.speed);
-            if (fastest < 1e-4 && shells_.time() - start > 0.05)
+            if (fastest < 1e-4 && shells_.time() - at_.start > 0.05)
                 break;
         }
         if (++count % 25 == 0) {
             const double part =
-                speed >= 0.0 ? travel() / (5.0 * out_.R) : 1.0 - travel() / std::max(travelAtStart, 1e-9);
+                speed >= 0.0 ? travel() / (5.0 * out_.R) : 1.0 - travel() / std::max(at_.travelAtStart, 1e-9);
             reportProgress(0.3 + 0.7 * (static_cast<double>(number) + std::clamp(part, 0.0, 1.0)) /
                                      static_cast<double>(total));
         }
     }
-    segmentRows_.emplace_back(firstRow, out_.series.rows());
+    segmentRows_.emplace_back(at_.firstRow, out_.series.rows());
     segmentIndex_.push_back(static_cast<int>(number));
     if (moves)
         out_.events.push_back({shells_.time(), travel(), force(), "reversal", "end of " + phase_});
@@ -109,12 +128,15 @@ void Session::runSegment(const scene::ProtocolSegment& segment, std::size_t numb
 }
 
 void Session::runFree() {
-    phase_ = "free";
-    inProtocol_ = true;
-    energyAtStart_ = shells_.world().energyBalance;
-    keepFrame(true);
-    out_.keyFrames[0] = static_cast<std::int32_t>(out_.frames.size()) - 1;
-    const double start = shells_.time();
+    if (begins()) {
+        phase_ = "free";
+        inProtocol_ = true;
+        energyAtStart_ = shells_.world().energyBalance;
+        keepFrame(true);
+        out_.keyFrames[0] = static_cast<std::int32_t>(out_.frames.size()) - 1;
+        at_.start = shells_.time();
+    }
+    const double start = at_.start;
     int count = 0;
     while (scene_.duration - (shells_.time() - start) > 1e-12) {
         if (!frame(std::min(frame_, scene_.duration - (shells_.time() - start)), {}))
@@ -132,13 +154,26 @@ void Session::runFree() {
 }
 
 void Session::runProtocol() {
-    cpuAtProtocol_ = cpuSeconds();
-    countersAtProtocol_ = shells_.world().counters;
-    if (!scene_.protocol)
+    if (at_.part == Part::Start) {
+        cpuAtProtocol_ = cpuSeconds();
+        countersAtProtocol_ = shells_.world().counters;
+        at_.part = scene_.protocol ? Part::Approach : Part::Free;
+    }
+    if (at_.part == Part::Free)
         return runFree();
-    approach();
-    if (status_ != RunStatus::Done)
-        return;
+    if (at_.part == Part::Approach) {
+        approach();
+        if (status_ != RunStatus::Done)
+            return;
+        beginRecording();
+        at_.part = Part::Segments;
+    }
+    for (; at_.segment < scene_.protocol->segments.size() && status_ == RunStatus::Done; ++at_.segment)
+        runSegment(scene_.protocol->segments[at_.segment], at_.segment);
+}
+
+/// From the first contact on.
+void Session::beginRecording() {
     const rod::Vec2 t = shells_.world().crossheadTravel;
     zeroTravel_ = t.x() * scene_.protocol->direction.x + t.y() * scene_.protocol->direction.y;
     inProtocol_ = true;
@@ -146,8 +181,6 @@ void Session::runProtocol() {
     sample();
     keepFrame(true);
     out_.keyFrames[0] = static_cast<std::int32_t>(out_.frames.size()) - 1;
-    for (std::size_t i = 0; i < scene_.protocol->segments.size() && status_ == RunStatus::Done; ++i)
-        runSegment(scene_.protocol->segments[i], i);
 }
 
 } // namespace supercircle::lab

@@ -12,15 +12,23 @@ RunResult runScene(const scene::Scene& scene, std::shared_ptr<step::HostWorld> h
         out.message = error;
         return out;
     }
-    if (scene.drop)
+    if (!options.checkpoint.resume.empty())
+        if (const Status restored = session.restoreState(options.checkpoint.resume); !restored) {
+            out.status = RunStatus::BadScene;
+            out.message = restored.error();
+            return out;
+        }
+    if (session.beforeProtocol() && scene.drop)
         session.drop();
-    else if (scene.starts_at_rest)
+    else if (session.beforeProtocol() && scene.starts_at_rest)
         session.settleAtStart();
     if (session.status() == RunStatus::Done)
         session.runProtocol();
     out.status = session.status();
     out.message = session.message();
     out.recording = session.finish(out.status, out.message);
+    if (options.checkpoint.file && out.status == RunStatus::Done)
+        options.checkpoint.file->remove();
     return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // One simulated experiment: a scene (drop, settle, test protocol) and its recording.
 
+#include "plugin/lab/session/checkpoint.h"
 #include "plugin/recording/table/recording.h"
 #include "plugin/scene/loader/scene.h"
 #include "supercircle/coulomb/solver.h"
@@ -32,6 +33,7 @@ struct RunOptions {
     bool keepFrames = true;                           ///< record the motion for the player
     std::function<void(const RunProgress&)> progress; ///< called from time to time
     const std::atomic<bool>* interrupt = nullptr;     ///< becomes true: stop and return what is done
+    CheckpointOptions checkpoint;
     std::function<void(const coulomb::Problem&, const coulomb::SolveReport&)> onSolve; ///< every contact problem
     std::function<void(step::Stage)> onStage; ///< step::Stepper::watchStages; must not throw
 };

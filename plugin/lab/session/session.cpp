@@ -64,6 +64,8 @@ double wallSeconds() {
 Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> host, const RunOptions& options)
     : scene_(scene), host_(std::move(host)), options_(options), shells_(host_), random_(options.seed),
       energyRelease_(kReleaseWindow * scene.report.R), wallStart_(wallSeconds()), cpuStart_(cpuSeconds()) {
+    lastCheckpoint_ = wallStart_;
+    repeatable_ = whyNoCheckpoint(scene).empty();
     step::Settings& s = shells_.stepper().settings();
     sizeRatio_ = sizeRatioOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
@@ -71,7 +73,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         s.dtMin = std::min(s.dtMin, scene.numerics.dt_max);
     fixedDt_ = options.fixedDt > 0.0 ? options.fixedDt : scene.numerics.fixed_dt;
     s.contact.tolerance = scene.numerics.tolerance;
-    s.secondOrder = !scene.numerics.quasi_static.value_or(scene.protocol.has_value());
+    s.secondOrder = secondOrder_ = !scene.numerics.quasi_static.value_or(scene.protocol.has_value());
     double thickness = scene.drop ? scene.drop->shell.thickness : std::numeric_limits<double>::infinity();
     for (const ShellDef& d : scene.shells)
         thickness = std::min(thickness, d.thickness);
@@ -80,6 +82,8 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
         s.localError =
             (scene.numerics.position_tolerance > 0.0 ? scene.numerics.position_tolerance : 5e-6 * sizeRatio_) /
             thickness;
+    localError_ = s.localError;
+    motionLimit_ = s.motionLimit;
     s.threads = options.threads;
     shells_.stepper().loop = options.loop;
     s.crossingCheck = options.crossingCheck;
@@ -274,18 +278,34 @@ double Session::travel() const {
            (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / math::hypot(f, apparatus_.slackForce) : 0.0);
 }
 
+/// False: the run is interrupted.
+bool Session::beginFrame() {
+    keepCheckpoint();
+    if (!interrupted())
+        return true;
+    status_ = RunStatus::Interrupted;
+    message_ = "interrupted";
+    return false;
+}
+
+/// What is kept of every step.
+void Session::record() {
+    sample();
+    keepFrame(false);
+    watchVibration();
+}
+
 bool Session::frame(double dt, const std::function<bool()>& stop) {
-    if (options_.interrupt && options_.interrupt->load()) {
-        status_ = RunStatus::Interrupted;
-        message_ = "interrupted";
+    if (!beginFrame())
         return false;
-    }
-    const FrameReport r = shells_.pre_step(dt, [&] {
-        sample();
-        keepFrame(false);
-        watchVibration();
-        return (options_.interrupt && options_.interrupt->load()) || (stop && stop());
-    });
+    return endFrame(shells_.pre_step(dt, [&] {
+        record();
+        return stopsAtOnce() || (stop && stop());
+    }));
+}
+
+/// Lets the host follow; false: the run is over.
+bool Session::endFrame(const FrameReport& r) {
     std::string failure = r.failure;
     if (r.advanced > 0.0) {
         host_->step(r.advanced);
@@ -411,11 +431,12 @@ void Session::reportProgress(double fraction) {
 }
 
 bool Session::settle(double speed, double longest) {
-    const double start = shells_.time();
-    while (shells_.time() - start < longest) {
+    if (begins())
+        at_.start = shells_.time();
+    while (shells_.time() - at_.start < longest) {
         if (!frame(frame_, {}))
             return false;
-        if (player::fastest(shells_.world()) < speed && shells_.time() - start > 0.05)
+        if (player::fastest(shells_.world()) < speed && shells_.time() - at_.start > 0.05)
             break;
     }
     return true;
@@ -426,10 +447,10 @@ void Session::settleAtStart() {
     constexpr double kLongest = 2.0; // s, for a radius of 19.2 mm: a thousand periods
     phase_ = "settle";
     step::Settings& settings = shells_.stepper().settings();
-    const bool secondOrder = std::exchange(settings.secondOrder, false);
+    settings.secondOrder = false;
     nextSampleTime_ = nextFrameTime_ = std::numeric_limits<double>::infinity();
     const bool rests = settle(0.0, kLongest * sizeRatio_);
-    settings.secondOrder = secondOrder;
+    settings.secondOrder = secondOrder_;
     if (!rests)
         return;
     for (const ForceHandle force : released_)
@@ -458,30 +479,31 @@ void Session::drop() {
     const scene::Drop& d = *scene_.drop;
     // A random start needs no accurate trajectory: steps may be coarser while the shells fall.
     step::Settings& settings = shells_.stepper().settings();
-    const double localError = settings.localError, motionLimit = settings.motionLimit;
-    settings.localError = std::max(localError, 0.3);
-    settings.motionLimit = 2.0 * motionLimit;
+    settings.localError = std::max(localError_, 0.3);
+    settings.motionLimit = 2.0 * motionLimit_;
     if (d.adaptive) {
         settings.fixedDt = 0.0;
         frame_ = settings.dtMax;
     }
-    for (int done = 0; done < d.count && status_ == RunStatus::Done;) {
-        const int count = std::min(d.batch_size, d.count - done);
-        phase_ = "drop " + std::to_string(done + 1);
-        if (const std::string error = dropBatch(count); !error.empty()) {
-            status_ = RunStatus::BadScene;
-            message_ = "drop: " + error;
-            return;
+    while (status_ == RunStatus::Done && (resumes_ || at_.dropped < d.count)) {
+        if (!resumes_) {
+            const int count = std::min(d.batch_size, d.count - at_.dropped);
+            phase_ = "drop " + std::to_string(at_.dropped + 1);
+            if (const std::string error = dropBatch(count); !error.empty()) {
+                status_ = RunStatus::BadScene;
+                message_ = "drop: " + error;
+                return;
+            }
+            reportProgress(0.3 * at_.dropped / d.count);
+            at_.dropped += count;
         }
-        reportProgress(0.3 * done / d.count);
-        done += count;
-        if (done < d.count)
+        if (at_.dropped < d.count)
             settle(d.settle_speed, d.settle_time);
         else
             settle(d.final_settle_speed, d.final_settle_time);
     }
-    settings.localError = localError;
-    settings.motionLimit = motionLimit;
+    settings.localError = localError_;
+    settings.motionLimit = motionLimit_;
     setStepLimits(0.0);
 }
 

@@ -8,8 +8,10 @@
 #include "supercircle/effects/sensor.h"
 #include "supercircle/step/stepper.h"
 
+#include <array>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace supercircle::lab {
 
@@ -24,6 +26,8 @@ public:
 
     /// Creates the shells and holds that the scene names; empty, or why it cannot start (overlap, unknown names).
     [[nodiscard]] std::string populate();
+    /// Continues from a state that another session of the same run has saved; after populate().
+    [[nodiscard]] Status restoreState(const std::vector<std::uint8_t>& state);
     /// Drops the scene's random shells in batches and lets them settle.
     void drop();
     void settleAtStart(); ///< of a scene that starts at rest
@@ -32,18 +36,53 @@ public:
     /// Fills summary, events, cycles and key frames.
     record::Recording finish(RunStatus status, const std::string& message);
 
+    [[nodiscard]] bool beforeProtocol() const { return at_.part == Part::Start; }
     [[nodiscard]] RunStatus status() const { return status_; }
     [[nodiscard]] const std::string& message() const { return message_; }
 
 private:
-    using Rows = std::pair<std::size_t, std::size_t>; ///< of the series, the second one past the end
+    using Rows = std::pair<std::size_t, std::size_t>;                   ///< of the series, the second one past the end
+    enum class Part : std::uint8_t { Start, Approach, Segments, Free }; ///< Start: drop and settling
+    /// Where the run is. A run that is continued enters the loop of this part, as it was before a frame.
+    struct Position {
+        Part part = Part::Start;
+        double start = 0.0; ///< when the present loop of frames began, s
+        int dropped = 0;    ///< shells so far
+        std::size_t segment = 0;
+        std::size_t firstRow = 0;   ///< of the segment
+        double travelAtStart = 0.0; ///< of the segment, m
+    };
+    /// Time that the run has taken.
+    struct Spent {
+        double wall = 0.0, cpu = 0.0, protocolCpu = 0.0; ///< s
+        std::array<double, static_cast<std::size_t>(step::Stage::Count)> stages{};
+    };
+    template <class Self, class Archive>
+    static void io(Self& session, Archive& archive);
+    [[nodiscard]] std::vector<std::uint8_t> saveState();
+    [[nodiscard]] Spent spent();
+    void keepCheckpoint();
+    [[nodiscard]] bool interrupted() const { return options_.interrupt && options_.interrupt->load(); }
+    /// Whether the coming loop begins; else it is the one that a checkpoint was written in.
+    [[nodiscard]] bool begins() { return !std::exchange(resumes_, false); }
 
     [[nodiscard]] bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
+    [[nodiscard]] bool frameToForce(double dt, double limit, bool& reached);
+    [[nodiscard]] bool cutToForce(double low, double high, double span, double limit, bool& reached);
+    [[nodiscard]] bool beginFrame();
+    [[nodiscard]] bool endFrame(const FrameReport& report);
+    void record();
+    /// With checkpoints a frame is completed: a run that is continued makes the same frames.
+    [[nodiscard]] bool stopsAtOnce() const { return !options_.checkpoint.file && interrupted(); }
     bool settle(double speed, double longest);
     void approach(); ///< brings the crosshead to first contact
-    void runFree();  ///< a scene without a protocol
+    [[nodiscard]] bool beginApproach();
+    [[nodiscard]] double approachSpeed() const; ///< m/s
+    void beginRecording();
+    void runFree(); ///< a scene without a protocol
     /// m/s along the protocol's direction; false after a refusal, which is the end of the run.
     [[nodiscard]] bool setCrossheadSpeed(double speed);
+    [[nodiscard]] bool beginSegment(const scene::ProtocolSegment& segment);
     void runSegment(const scene::ProtocolSegment& segment, std::size_t number);
     void watchVibration();
     void sample();
@@ -74,6 +113,10 @@ private:
     player::Random random_;
     std::vector<ForceHandle> released_; ///< forces that end at time 0
     record::Recording out_;
+    Position at_;
+    bool resumes_ = false;        ///< the state was restored and no frame was made since
+    double lastCheckpoint_ = 0.0; ///< s
+    Spent earlier_;               ///< before the state was restored
     RunStatus status_ = RunStatus::Done;
     std::string message_;
     std::string phase_ = "start";
@@ -90,6 +133,10 @@ private:
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
     double fixedDt_ = 0.0;                 ///< s, wanted by options or scene
+    double localError_ = 0.0;              ///< as in step::Settings, but for the drop ...
+    double motionLimit_ = 0.0;             ///< ... where both are coarser
+    bool secondOrder_ = false;             ///< as in step::Settings, but for settling at the start
+    bool repeatable_ = false;              ///< a frame can be made again: no host body keeps forces to itself
     double sizeRatio_ = 1.0;               ///< of the shells, over the size that the absolute settings are for
     double frame_ = 4e-3;                  ///< s, one call of pre_step
     step::EnergyBalance energyAtStart_{};  ///< when the protocol began

@@ -64,18 +64,18 @@ std::int64_t whole(std::uint64_t count) {
 
 void Session::summariseCounters() {
     const step::Counters& c = shells_.world().counters;
-    out_.timing.emplace_back("wall_s", wallSeconds() - wallStart_);
-    const double cpu = cpuSeconds();
-    out_.timing.emplace_back("cpu_s", cpu - cpuStart_);
+    const Spent spent = this->spent();
+    out_.timing.emplace_back("wall_s", spent.wall);
+    out_.timing.emplace_back("cpu_s", spent.cpu);
     if (cpuAtProtocol_ >= 0.0) {
-        out_.timing.emplace_back("protocol_cpu_s", cpu - cpuAtProtocol_);
+        out_.timing.emplace_back("protocol_cpu_s", spent.protocolCpu);
         put("protocol_steps", whole(c.steps - countersAtProtocol_.steps));
         put("protocol_solves", whole(c.solves - countersAtProtocol_.solves));
         put("protocol_pivots", whole(c.pivots - countersAtProtocol_.pivots));
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(step::Stage::Count); ++i)
         out_.timing.emplace_back(std::string("stage_") + step::name(static_cast<step::Stage>(i)) + "_s",
-                                 shells_.stepper().times()[i]);
+                                 spent.stages[i]);
     put("contacts_max", whole(c.contactsMax));
     put("active_contacts_max", whole(c.activeContactsMax));
     put("steps", whole(c.steps));
@@ -237,6 +237,7 @@ void Session::summarise() {
     put("length_error_max", lengthError(w));
     put("contact_residual_max", w.counters.contactResidualMax);
     put("unconverged_steps", whole(w.counters.unconverged));
+    put("absolute_floor_steps", whole(w.counters.byAbsoluteFloor));
     put("rejected_steps", whole(w.counters.rejected));
     for (std::size_t i = 1; i < w.counters.rejectedFor.size(); ++i)
         put(std::string("rejected_") + step::name(static_cast<step::Reason>(i)), whole(w.counters.rejectedFor[i]));

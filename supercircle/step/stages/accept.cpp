@@ -241,6 +241,8 @@ void accept(World& world, TrialStep& t) {
     world.counters.activeContactsMax = std::max<std::uint64_t>(world.counters.activeContactsMax, t.impulses.size());
     if (!stage.report.converged)
         ++world.counters.unconverged;
+    if (stage.report.byAbsoluteFloor)
+        ++world.counters.byAbsoluteFloor;
     world.counters.penetrationMax = std::max(world.counters.penetrationMax, deepest(world.candidates));
     assertConsistent(world);
     SC_ASSERT_EXPENSIVE(sleepers == fingerprintOfFrozen(world), "a step leaves frozen rods as they are");

@@ -56,7 +56,8 @@ const std::vector<const char*> kCommon = {"scene",
                                           "crossings",
                                           "length_error_max",
                                           "contact_residual_max",
-                                          "unconverged_steps"};
+                                          "unconverged_steps",
+                                          "absolute_floor_steps"};
 
 void checkCommon(const json& summary, const std::string& name) {
     checkKeys(summary, kCommon);

@@ -144,6 +144,28 @@ TEST_CASE("bodies at rest whose free velocities are round-off are solved, slow o
     }
 }
 
+TEST_CASE("solutions that only the absolute floor excuses are marked") {
+    const Problem exact = particle(1.0, 3.0, -1.0, 0.5); // slides: r = (1, -0.5) N s
+    struct {
+        double share, floor;
+        bool converged, byFloor;
+    } const cases[] = {{1.0, 1e-3, true, false}, {1.0 - 1e-5, 1e-3, true, true}, {1.0 - 1e-5, 0.0, false, false}};
+    for (const auto& c : cases) {
+        Problem problem = exact;
+        problem.r0 = c.share * Eigen::Vector2d(1.0, -0.5);
+        SolverOptions options;
+        options.method = Method::None;
+        options.absoluteImpulse = c.floor;
+        Solver solver;
+        Eigen::VectorXd r;
+        std::vector<Eigen::VectorXd> v;
+        const SolveReport report = solver.solve(problem, options, r, v);
+        INFO("share " << c.share << ", floor " << c.floor << ", residual " << report.contactResidual);
+        CHECK(report.converged == c.converged);
+        CHECK(report.byAbsoluteFloor == c.byFloor);
+    }
+}
+
 TEST_CASE("numbers that are not finite never pass") {
     const Problem problem = particle(2.0, 3.0, -1.0, 0.5);
     CHECK(std::isinf(

@@ -1,0 +1,83 @@
+// The end of a segment that stops at a force: the step that would pass it is made again, shorter.
+
+#include "plugin/lab/session/session.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supercircle::lab {
+
+namespace {
+
+/// Of the stop force, by which the last step may pass it.
+constexpr double kOvershoot = 1e-3;
+constexpr int kMostTrials = 40, kSecants = 8; ///< bisections follow
+constexpr double kShortest = 1e-4; ///< of a step: where a tenth of a per mille of it decides, the force leaps
+
+} // namespace
+
+/// A frame that ends where the force reaches `limit` (N). False: the run is over.
+bool Session::frameToForce(double dt, double limit, bool& reached) {
+    if (!beginFrame())
+        return false;
+    double before = force(), passed = 0.0, last = shells_.time();
+    const double most = limit + kOvershoot * std::abs(limit);
+    const bool repeats = repeatable_ && before < limit && most > limit;
+    const Snapshot start = repeats ? shells_.save() : Snapshot{};
+    double span = 0.0; // of the step that passes the limit, s
+    int steps = 0;
+    const FrameReport r = shells_.pre_step(dt, [&] {
+        const double now = force();
+        if (repeats && now > most) {
+            passed = now;
+            span = shells_.time() - last;
+            return true;
+        }
+        record();
+        ++steps;
+        before = now;
+        last = shells_.time();
+        reached = now >= limit;
+        return reached || stopsAtOnce();
+    });
+    if (span <= 0.0)
+        return endFrame(r);
+    shells_.restore(start).or_fail();
+    if (steps > 0 && !endFrame(shells_.pre_step(dt, [&] { return --steps == 0; }))) // the same steps again
+        return false;
+    return cutToForce(before, passed, span, limit, reached);
+}
+
+/// Finds the step from here that ends at the limit. One of `span` s passes it and ends at `high` (N), from `low`.
+/// Trials that miss are undone: a row of ever shorter steps would excite vibrations, in which the force leaps.
+bool Session::cutToForce(double low, double high, double span, double limit, bool& reached) {
+    step::World& w = shells_.world();
+    const double usualStep = w.dtNext, most = limit + kOvershoot * std::abs(limit);
+    const Snapshot start = shells_.save();
+    const double from = w.time;
+    double shorter = 0.0, longer = span; // s, steps that end below and above the limit
+    for (int trial = 0; trial < kMostTrials && !reached; ++trial) {
+        const bool last = trial + 1 == kMostTrials || longer - shorter < kShortest * span;
+        const double share = trial < kSecants ? std::clamp((0.5 * (limit + most) - low) / (high - low), 0.1, 0.9) : 0.5;
+        const double dt = last ? (shorter > 0.0 ? shorter : span) : shorter + share * (longer - shorter);
+        double end = 0.0, taken = 0.0;
+        const FrameReport r = shells_.pre_step(dt, [&] {
+            end = force();
+            taken = w.time - from;
+            reached = end >= limit && (end <= most || last);
+            if (reached || last)
+                record();
+            return true;
+        });
+        if (reached || last || !r.failure.empty()) {
+            w.dtNext = std::max(w.dtNext, usualStep);
+            return endFrame(r);
+        }
+        shells_.restore(start).or_fail();
+        (end < limit ? shorter : longer) = taken;
+        (end < limit ? low : high) = end;
+    }
+    return true;
+}
+
+} // namespace supercircle::lab

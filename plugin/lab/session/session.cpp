@@ -66,6 +66,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
       energyRelease_(kReleaseWindow * scene.report.R), wallStart_(wallSeconds()), cpuStart_(cpuSeconds()) {
     lastCheckpoint_ = wallStart_;
     repeatable_ = whyNoCheckpoint(scene).empty();
+    accuracy_ = options.accuracy.value_or(scene.numerics.accuracy);
     step::Settings& s = shells_.stepper().settings();
     sizeRatio_ = sizeRatioOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
@@ -353,10 +354,25 @@ void Session::sample() {
     nextSampleTime_ = w.time + 0.01;
     if (scene_.protocol && !inProtocol_)
         return;
+    const double rawForce = force();
+    addRowsBetween(rawForce);
+    addRow(w.time, travel(), sensorOn_ ? sensor_.read(w.time, rawForce) : rawForce);
+    rawForce_ = rawForce;
+    if (!loading_)
+        return;
+    energies_.clear();
+    for (const step::Rod& r : w.rods)
+        energies_.push_back(rod::bendingEnergy(r.model, r.q));
+    energyRelease_.sample(out_.series.columns[1].back(), energies_);
+}
+
+/// A row of the present state.
+void Session::addRow(double time, double travel, double force) {
+    const step::World& w = shells_.world();
     const step::EnergyBalance& l = w.energyBalance;
-    const double row[] = {w.time,
-                          travel(),
-                          sensorOn_ ? sensor_.read(w.time, force()) : force(),
+    const double row[] = {time,
+                          travel,
+                          force,
                           l.work - energyAtStart_.work,
                           l.bending,
                           l.gravity,
@@ -371,12 +387,6 @@ void Session::sample() {
                           w.counters.contactResidualMax};
     for (std::size_t i = 0; i < std::size(row); ++i)
         out_.series.columns[i].push_back(row[i]);
-    if (!loading_)
-        return;
-    energies_.clear();
-    for (const step::Rod& r : w.rods)
-        energies_.push_back(rod::bendingEnergy(r.model, r.q));
-    energyRelease_.sample(row[1], energies_);
 }
 
 void Session::keepFrame(bool always) {

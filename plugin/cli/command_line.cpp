@@ -180,6 +180,19 @@ void addJobs(CLI::App& app, int& jobs, int most, const char* help) {
         ->capture_default_str();
 }
 
+void addAccuracy(CLI::App& app, std::string& accuracy) {
+    app.add_option("--accuracy", accuracy, "how finely the test is stepped (default: as the scene says, else exact)")
+        ->check(CLI::IsMember(scene::kAccuracies).description(""))
+        ->type_name("exact|standard|fast");
+}
+
+std::optional<scene::Accuracy> accuracyOf(const std::string& name) {
+    const auto found = std::find(scene::kAccuracies.begin(), scene::kAccuracies.end(), name);
+    if (found == scene::kAccuracies.end())
+        return std::nullopt;
+    return static_cast<scene::Accuracy>(found - scene::kAccuracies.begin());
+}
+
 int cores(int most) {
     return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, most);
 }

@@ -1,8 +1,11 @@
 #pragma once
 // Command-line parsing shared by all programs.
 
+#include "plugin/scene/loader/scene.h"
+
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +52,10 @@ extern const char* const kExperimentParameterHelp;
 void addAllowOutside(CLI::App& app);
 /// A hidden subcommand `check FILE [--param ...]`: `supercircle check` starts it for what this program reads.
 Subcommand describeCheckOf(CLI::App& app, int (*check)(const std::string&, const std::vector<std::string>&));
+/// --accuracy exact|standard|fast.
+void addAccuracy(CLI::App& app, std::string& accuracy);
+/// The accuracy of that name; empty: none is given.
+std::optional<scene::Accuracy> accuracyOf(const std::string& name);
 /// --jobs N, 1 to `most`; as given in `jobs` unless the user says otherwise.
 void addJobs(CLI::App& app, int& jobs, int most, const char* help);
 /// Cores of this machine, 1 to `most`.

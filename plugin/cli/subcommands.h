@@ -23,6 +23,7 @@ struct RunArguments {
     std::string out;                     ///< folder; empty: out/<name of the scene file>
     int threads = 1;
     double fixedDt = 0.0; ///< s, 0: adaptive
+    std::string accuracy; ///< empty: the scene's
     bool noReport = false;
     bool quiet = false;
     std::string dump;        ///< folder for FCP2D problems, empty: none
@@ -99,6 +100,7 @@ struct SweepArguments {
     std::string seeds;                     ///< in place of the file's, such as "1:20"; empty: the file's
     std::string shard;                     ///< "I/N"; empty: all
     std::string engine = "local";          ///< or "slurm"
+    std::string accuracy;                  ///< empty: the scene's
     std::vector<std::string> merge;        ///< folders of shards to merge
     std::vector<std::string> slurmOptions; ///< passed to sbatch
     int jobs = 1;

@@ -21,6 +21,7 @@ Subcommand describeSweep(CLI::App& app) {
     subcommand->add_option("--seeds", a.seeds, "seeds in place of the file's, such as 1:20 or 1:5,8")
         ->type_name("LIST");
     addJobs(*subcommand, a.jobs, 1024, "runs at a time, 1 to 1024, each in its own process");
+    addAccuracy(*subcommand, a.accuracy);
     subcommand->add_flag("--resume", a.resume, "continue a sweep into DIR that was stopped, or extend it");
     subcommand->add_option("--shard", a.shard, "I/N: only part I of N, into its own folder")->type_name("I/N");
     subcommand

@@ -27,6 +27,7 @@ Subcommand describeRun(CLI::App& app) {
     run->add_option("--fixed-dt", a.fixedDt, "fixed time step instead of the adaptive one")
         ->check(positive)
         ->type_name("SECONDS");
+    addAccuracy(*run, a.accuracy);
     run->add_flag("--no-report", a.noReport, "no pictures and no page, only the data");
     run->add_flag("--quiet", a.quiet, "print nothing but errors");
     run->add_option("--dump", a.dump, "folder that receives every contact problem as an FCP2D file")->type_name("DIR");

@@ -1,4 +1,5 @@
 #include "plugin/cli/build_name.h"
+#include "plugin/cli/command_line.h"
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
@@ -112,7 +113,8 @@ lab::RunIdentity identityOf(const RunArguments& a, const scene::Scene& scene) {
     lab::RunIdentity identity{{"program", buildName()},
                               {"text of the scene", checksum(text ? *text : std::string{})},
                               {"--seed", std::to_string(a.seed)},
-                              {"--fixed-dt", numberText(a.fixedDt)}};
+                              {"--fixed-dt", numberText(a.fixedDt)},
+                              {"--accuracy", a.accuracy.empty() ? "of the scene" : a.accuracy}};
     for (const scene::Parameter& p : scene.parameters)
         identity.emplace_back("parameter " + p.name, numberText(p.value));
     return identity;
@@ -165,6 +167,7 @@ int run(const RunArguments& a) {
     options.seed = static_cast<std::uint64_t>(a.seed);
     options.threads = a.threads;
     options.fixedDt = a.fixedDt;
+    options.accuracy = accuracyOf(a.accuracy);
     options.interrupt = &interrupted;
     options.progress = [&](const lab::RunProgress& p) { line.show(p); };
     if (!a.dump.empty())

@@ -1,4 +1,5 @@
 #include "plugin/cli/build_name.h"
+#include "plugin/cli/command_line.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/progress.h"
 #include "plugin/cli/subcommands.h"
@@ -101,19 +102,25 @@ int prepare(const SweepArguments& a, SweepWork& work) {
     if (!text)
         return kBadInput;
     work.sceneText = *text;
+    work.sweep.accuracy = a.accuracy;
     for (std::size_t set = 0; set < work.sweep.sets.size(); ++set)
         if (!canStart(work.sceneText, work.sweep.scene, work.sweep.parameterValues(set)))
             return kBadInput;
     return kDone;
 }
 
-/// A store holds runs of one scene, and of one shard.
+const std::string kOfScene = "of the scene"; ///< accuracy that no option gives
+
+/// A store holds runs of one scene, of one shard and of one accuracy.
 int checkIdentity(const SweepArguments& a, SweepWork& work) {
     const std::string shard = std::to_string(work.shard.part) + "/" + std::to_string(work.shard.parts);
     if (const std::string error = work.store.checkFormat(); !error.empty())
         return badInput(error);
     const std::vector<std::pair<std::string, std::string>> wanted = {
-        {"format", sweep::kStoreFormat}, {"scene", work.sceneText}, {"shard", shard}};
+        {"format", sweep::kStoreFormat},
+        {"scene", work.sceneText},
+        {"shard", shard},
+        {"accuracy", a.accuracy.empty() ? kOfScene : a.accuracy}};
     const auto known = work.store.finished();
     if (!known)
         return cannotWrite(known.error());
@@ -124,10 +131,12 @@ int checkIdentity(const SweepArguments& a, SweepWork& work) {
         const auto there = work.store.meta(key);
         if (!there)
             return cannotWrite(there.error());
-        if (!there->empty() && *there != value && !known->empty())
+        const std::string stored = there->empty() && key == "accuracy" ? kOfScene : *there;
+        if (!stored.empty() && stored != value && !known->empty())
             return badInput(a.out + ": " +
-                            (key == "scene" ? "these runs are of another version of the scene"
-                                            : "holds shard " + *there + " of a sweep, not shard " + value) +
+                            (key == "scene"      ? "these runs are of another version of the scene"
+                             : key == "accuracy" ? "these runs have another accuracy: " + stored
+                                                 : "holds shard " + *there + " of a sweep, not shard " + value) +
                             "; choose another folder with --out");
         if (const std::string error = work.store.setMeta(key, value); !error.empty())
             return cannotWrite(error);
@@ -149,6 +158,9 @@ int mergeAll(const SweepArguments& a, SweepWork& work) {
         const auto scene = shard.meta("scene");
         if (!scene || *scene != work.sceneText)
             return badInput(folder + ": holds runs of another scene");
+        const auto accuracy = shard.meta("accuracy"), ours = work.store.meta("accuracy");
+        if (!accuracy || !ours || (accuracy->empty() ? kOfScene : *accuracy) != *ours)
+            return badInput(folder + ": holds runs of another accuracy; give the same --accuracy");
         if (const std::string why = work.store.mergeFrom(shard); !why.empty())
             return cannotWrite(why);
     }
@@ -198,7 +210,8 @@ std::string runMissing(const SweepArguments& a, SweepWork& work, FolderLock& loc
     plan.jobs = a.jobs;
     plan.interrupt = &interrupted;
     plan.runTask = [&](const Task& task) {
-        return runOne(work.sceneText, work.sweep.scene, work.sweep.parameterValues(task.set), task.seed);
+        return runOne(work.sceneText, work.sweep.scene, work.sweep.parameterValues(task.set), task.seed,
+                      accuracyOf(a.accuracy));
     };
     plan.onFinished = [&](const FinishedTask& f) {
         const StoredRun run = storedRun(work.sweep, f, host, build);

@@ -15,7 +15,8 @@
 namespace supercircle::cli {
 
 std::string runOne(const std::string& sceneText, const std::string& sceneFile,
-                   const std::vector<sweep::ParameterValue>& values, std::int64_t seed) {
+                   const std::vector<sweep::ParameterValue>& values, std::int64_t seed,
+                   std::optional<scene::Accuracy> accuracy) {
     std::vector<scene::Problem> problems;
     const auto scene = loadWithParameters(sceneText, sceneFile, values, problems);
     std::string why = "the scene cannot be loaded";
@@ -25,6 +26,7 @@ std::string runOne(const std::string& sceneText, const std::string& sceneFile,
     lab::RunOptions options;
     options.seed = static_cast<std::uint64_t>(seed);
     options.keepFrames = false;
+    options.accuracy = accuracy;
     options.interrupt = &interrupted;
     const lab::RunResult out = lab::runScene(*scene, host, options);
     if (out.status == lab::RunStatus::Interrupted)

@@ -101,6 +101,8 @@ Result<ArrayJob> submit(const SweepArguments& a, const std::string& folder, cons
                                         "--resume"};
     if (!a.seeds.empty())
         command.insert(command.end(), {"--seeds", a.seeds});
+    if (!a.accuracy.empty())
+        command.insert(command.end(), {"--accuracy", a.accuracy});
     const std::string script = sweep::arrayScript(command, a.jobs, folder + "/slurm/%a.log");
     if (std::string error = record::writeAtomically(folder + "/slurm", {{"job.sh", script}}).error(); !error.empty())
         return Out::failure(error);

@@ -11,6 +11,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace supercircle::lab {
@@ -29,6 +30,7 @@ struct RunOptions {
     int threads = 1;
     parallel::For loop;                               ///< replaces the stepper's own threads (step::Stepper::loop)
     double fixedDt = 0.0;                             ///< s; > 0 overrides the scene's
+    std::optional<scene::Accuracy> accuracy;          ///< overrides the scene's
     bool crossingCheck = true;                        ///< independent crossing check after each step
     bool keepFrames = true;                           ///< record the motion for the player
     std::function<void(const RunProgress&)> progress; ///< called from time to time

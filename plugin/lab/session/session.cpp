@@ -2,7 +2,6 @@
 
 #include "plugin/scene/player/dropper.h"
 #include "supercircle/contact/crossing.h"
-#include "supercircle/step/damping.h"
 #include "supercircle/support/elementary.h"
 
 #include <algorithm>
@@ -66,6 +65,7 @@ Session::Session(const scene::Scene& scene, std::shared_ptr<step::HostWorld> hos
       energyRelease_(kReleaseWindow * scene.report.R), wallStart_(wallSeconds()), cpuStart_(cpuSeconds()) {
     lastCheckpoint_ = wallStart_;
     repeatable_ = whyNoCheckpoint(scene).empty();
+    accuracy_ = options.accuracy.value_or(scene.numerics.accuracy);
     step::Settings& s = shells_.stepper().settings();
     sizeRatio_ = sizeRatioOf(scene);
     s.dtMin = scene.numerics.dt_min > 0.0 ? scene.numerics.dt_min : 1e-6 * sizeRatio_;
@@ -288,13 +288,6 @@ bool Session::beginFrame() {
     return false;
 }
 
-/// What is kept of every step.
-void Session::record() {
-    sample();
-    keepFrame(false);
-    watchVibration();
-}
-
 bool Session::frame(double dt, const std::function<bool()>& stop) {
     if (!beginFrame())
         return false;
@@ -330,53 +323,6 @@ bool Session::endFrame(const FrameReport& r) {
         return false;
     }
     return true;
-}
-
-/// What a damping of the first mode would take at a ratio of 1, as the energies of vibration of this step say.
-void Session::watchVibration() {
-    const step::World& w = shells_.world();
-    if (!shells_.stepper().settings().secondOrder)
-        return;
-    if (firstFrequencies_.size() != w.rods.size()) {
-        firstFrequencies_.clear();
-        for (const step::Rod& r : w.rods)
-            firstFrequencies_.push_back(step::firstFrequency(r));
-    }
-    for (std::size_t i = 0; i < w.rods.size(); ++i)
-        unitDamping_ += 2.0 * firstFrequencies_[i] * w.rods[i].vibration * w.dt;
-}
-
-void Session::sample() {
-    const step::World& w = shells_.world();
-    if (!inProtocol_ && w.time < nextSampleTime_)
-        return;
-    nextSampleTime_ = w.time + 0.01;
-    if (scene_.protocol && !inProtocol_)
-        return;
-    const step::EnergyBalance& l = w.energyBalance;
-    const double row[] = {w.time,
-                          travel(),
-                          sensorOn_ ? sensor_.read(w.time, force()) : force(),
-                          l.work - energyAtStart_.work,
-                          l.bending,
-                          l.gravity,
-                          l.kinetic,
-                          l.friction - energyAtStart_.friction,
-                          l.impact - energyAtStart_.impact,
-                          l.numerical - energyAtStart_.numerical,
-                          l.positionCorrection - energyAtStart_.positionCorrection,
-                          l.effects - energyAtStart_.effects,
-                          l.residual() - energyAtStart_.residual(),
-                          w.dt,
-                          w.counters.contactResidualMax};
-    for (std::size_t i = 0; i < std::size(row); ++i)
-        out_.series.columns[i].push_back(row[i]);
-    if (!loading_)
-        return;
-    energies_.clear();
-    for (const step::Rod& r : w.rods)
-        energies_.push_back(rod::bendingEnergy(r.model, r.q));
-    energyRelease_.sample(row[1], energies_);
 }
 
 void Session::keepFrame(bool always) {

@@ -93,6 +93,9 @@ private:
     [[nodiscard]] std::string dropBatch(int count);
     /// Sets the largest step and frame while the crosshead moves at `speed` m/s for `branch` m.
     void setStepLimits(double speed, double branch = std::numeric_limits<double>::infinity());
+    void setAccuracy(double speed); ///< of a segment
+    void addRow(double time, double travel, double force);
+    void addRowsBetween(double rawForce);
     [[nodiscard]] double pileTop() const;         ///< highest point of the shells' surfaces, m
     [[nodiscard]] double crossheadBottom() const; ///< lowest point of the driven bodies, m
     [[nodiscard]] double force() const;           ///< on the crosshead, N, positive while the specimen resists
@@ -132,10 +135,13 @@ private:
     double pileHeight_ = 0.0; ///< H0, m
     double nextFrameTime_ = 0.0;
     double nextSampleTime_ = 0.0;
-    double fixedDt_ = 0.0;                 ///< s, wanted by options or scene
-    double localError_ = 0.0;              ///< as in step::Settings, but for the drop ...
-    double motionLimit_ = 0.0;             ///< ... where both are coarser
-    bool secondOrder_ = false;             ///< as in step::Settings, but for settling at the start
+    double fixedDt_ = 0.0;     ///< s, wanted by options or scene
+    double localError_ = 0.0;  ///< as in step::Settings, but for the drop ...
+    double motionLimit_ = 0.0; ///< ... where both are coarser
+    bool secondOrder_ = false; ///< as in step::Settings, but for settling at the start
+    scene::Accuracy accuracy_ = scene::Accuracy::Exact;
+    double sampleTravel_ = 0.0;            ///< m, longest travel between two rows; 0: one row a step
+    double rawForce_ = 0.0;                ///< of the last row, before the sensor, N
     bool repeatable_ = false;              ///< a frame can be made again: no host body keeps forces to itself
     double sizeRatio_ = 1.0;               ///< of the shells, over the size that the absolute settings are for
     double frame_ = 4e-3;                  ///< s, one call of pre_step

@@ -210,6 +210,8 @@ void Session::summarise() {
     if (!message_.empty())
         put("message", message_);
     put("simulated_s", w.time);
+    if (accuracy_ != scene::Accuracy::Exact)
+        put("accuracy", scene::kAccuracies[static_cast<std::size_t>(accuracy_)]);
     summariseCounters();
     if (scene_.protocol)
         summariseForces();

@@ -24,6 +24,7 @@ struct SweepDefinition {
     std::vector<std::vector<double>> sets; ///< one value per name; the first name varies slowest
     std::vector<std::int64_t> seeds;       ///< each set is run once per seed
     std::string x;                         ///< parameter along the abscissa of pictures; empty: nothing varies
+    std::string accuracy;                  ///< of all runs, as --accuracy names it; empty: as the scene says
 
     /// All parameters of a set: the fixed ones, then the varied ones.
     [[nodiscard]] std::vector<ParameterValue> parameterValues(std::size_t set) const;

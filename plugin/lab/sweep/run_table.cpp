@@ -168,6 +168,8 @@ std::string commandOf(const SweepDefinition& sweep, std::size_t set, std::int64_
     std::string command = "supercircle run " + sweep.scene;
     for (const auto& [name, value] : sweep.parameterValues(set))
         command += " --param " + name + "=" + text(value);
+    if (!sweep.accuracy.empty())
+        command += " --accuracy " + sweep.accuracy;
     return command + " --seed " + std::to_string(seed);
 }
 

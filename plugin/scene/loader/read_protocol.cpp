@@ -202,6 +202,7 @@ void readNumerics(Context& context, ObjectReader& top, Numerics& out) {
     if (!node)
         return;
     ObjectReader reader(context, *node, "/numerics");
+    out.accuracy = static_cast<Accuracy>(reader.choice("accuracy", kAccuracies, 0));
     out.dt_max = reader.number("dt_max", out.dt_max, positive);
     out.dt_min = reader.number("dt_min", out.dt_min, positive);
     if (reader.find("quasi_static"))

@@ -101,7 +101,13 @@ struct Observation {
 };
 
 /// Settings of the numerics; the defaults are those of Quality::Laboratory.
+/// How finely the segments of a protocol are stepped (plugin/lab/session/accuracy.h).
+enum class Accuracy : std::uint8_t { Exact, Standard, Fast };
+/// As in scenes and on the command line, in the order of the enum.
+inline const std::vector<std::string> kAccuracies = {"exact", "standard", "fast"};
+
 struct Numerics {
+    Accuracy accuracy = Accuracy::Exact;
     double dt_max = 0.0;     ///< s; 0: from the crosshead's speed (R / 500 of travel), 4 ms without a crosshead
     double dt_min = 0.0;     ///< s; 0: 1 us for shells of radius 19.2 mm, in proportion
     double fixed_dt = 0.0;   ///< s; > 0: constant steps

@@ -203,3 +203,14 @@ TEST_CASE("an interrupted sweep keeps what is done and says how to continue") {
     CHECK_THAT(ending.err, Contains("--resume"));
     CHECK_THAT(contentOf(folder / "out/results.csv"), Contains(",seed,status"));
 }
+
+TEST_CASE("a sweep has one accuracy", "[cli][sweep]") {
+    const Folder folder;
+    const std::string file = sweepFile(folder, 1), out = folder / "out";
+    REQUIRE(sweepInto(file, out, {"--accuracy", "fast"}).code == 0);
+    const CommandResult other = sweepInto(file, out, {"--resume"});
+    CHECK(other.code == 2);
+    CHECK_THAT(other.err, Contains("another accuracy: fast"));
+    CHECK(sweepInto(file, out, {"--resume", "--accuracy", "fast"}).code == 0);
+    CHECK(sweepInto(file, folder / "none", {"--accuracy", "best"}).code == 2);
+}

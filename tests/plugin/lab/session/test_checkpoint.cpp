@@ -114,6 +114,15 @@ TEST_CASE("a squeezed stack continues from its checkpoint to the same bytes", "[
     checkContinued(scene, whole, {1, 1, step, step + 1, step, 2, step, step, step}, phases);
 }
 
+TEST_CASE("a squeeze with steps longer than its samples continues from a checkpoint", "[lab][checkpoint]") {
+    scene::Scene scene = loadScene("stack30", {{"shells", 3}, {"max_force", 0.3}});
+    scene.numerics.accuracy = scene::Accuracy::Standard;
+    const Start whole = start(scene, nullptr, 0);
+    std::vector<std::string> phases;
+    for (int part = 3; part < 10; ++part)
+        checkContinued(scene, whole, {whole.frames * part / 10}, phases);
+}
+
 TEST_CASE("runs of every kind continue from a checkpoint to the same bytes", "[lab][checkpoint]") {
     for (const char* name : {"two_shells", "cantilever", "effects", "pinning", "squeeze"}) {
         INFO(name);

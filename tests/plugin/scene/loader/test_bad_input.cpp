@@ -435,3 +435,9 @@ TEST_CASE("errors in a level are reported at their positions") {
     CHECK(contains(all, "/game/part/0/colour: this is not a colour"));
     CHECK(contains(all, "4:13: /game/goal: the area is empty"));
 }
+
+TEST_CASE("an unknown accuracy is named with those there are") {
+    const Problem p = only(shellWith("\"mu\": 0.1").insert(1, R"("numerics": {"accuracy": "exakt"}, )"));
+    CHECK(contains(p.toString(), "/numerics/accuracy"));
+    CHECK(contains(p.toString(), R"(one of "exact", "standard", "fast")"));
+}

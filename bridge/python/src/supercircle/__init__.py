@@ -11,6 +11,8 @@ from ._files import scenes
 from ._loader import library_path, version
 from .errors import (BadInputError, BusyError, Error, FailedError, LibraryError, OutOfMemoryError, RefusedError, StaleError,
                      VersionError)
+from .lab import (Check, Curve, Diagnosis, Effect, Estimate, Imported, Replay, Result, Series, Sweep, check, diagnose,
+                  import_recording, replay, run, sweep)
 from .records import (BodyState, Energy, EventSettings, Filter, Frame, Reaction, Recovery, Section, ShellState, Sleep, Target)
 from .world import Body, Event, Force, Hit, Hold, Joint, MouseJoint, Problem, Scene, Shell, World, Zone, check_scene, effects
 

@@ -67,7 +67,7 @@ def test_beside_the_package_by_the_loader_and_in_the_checkout_it_came_from(tmp_p
 @pytest.mark.skipif(bool(ctypes.util.find_library("supercircle_c")), reason="the system has the library")
 def test_a_missing_library_is_reported_with_all_places_and_the_remedy(tmp_path):
     printed = python(SHOW, copied(tmp_path))
-    for words in ("LibraryError", "$SUPERCIRCLE_LIBRARY: not set", "beside the package", "system's loader", "checkout", "run.sh"):
+    for words in ("LibraryError", "$SUPERCIRCLE_LIBRARY: not set", "beside the package", "system's loader", "checkout", "build.sh"):
         assert words in printed
 
 

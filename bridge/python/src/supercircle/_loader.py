@@ -64,12 +64,12 @@ def _open(name: str) -> ctypes.CDLL:
             try:
                 return ctypes.CDLL(file)
             except OSError as error:
-                why = str(error)
+                why = why if os.sep not in file and why != "no such file" else str(error)
         tried.append(f"  {where}" + (f": {why}" if why else ""))
     tree = checkout()
-    remedy = f"{tree / 'run.sh'} or `ninja -C {tree / 'build'} {name}`" if tree else "run.sh in the source tree, or install the Debian package"
+    remedy = f"Build it: {tree / 'bridge/python/build.sh'}" if tree else "Run bridge/python/build.sh in the source tree"
     raise LibraryError(f"lib{name} was not found. Tried, in this order:\n" + "\n".join(tried) +
-                       f"\nBuild it with {remedy}, or set {VARIABLE} to the library or its folder.")
+                       f"\n{remedy}, or install the Debian package, or set {VARIABLE} to the library or its folder.")
 
 
 def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str, version: str) -> None:

@@ -13,7 +13,7 @@ if [ "${1:-}" = --all ]; then
 fi
 directory=$top/build
 trap 'give_back "$top/build"' EXIT
-install_missing "$top/.ci/packages"
+install_missing "$top/.ci/packages" "$top/.ci/packages-test"
 build "$directory"
 
 log=$directory/ctest.log

@@ -72,6 +72,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/api/include/ ${PROJECT_SOURCE_DIR
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/supercircle
   FILES_MATCHING PATTERN "*.h")
 install(TARGETS supercircle supercircle-lab supercircle-identify supercircle-view) # the benchmarks need the source tree
+# The Python package, where Debian's Python looks for it if the prefix is /usr; it finds the library by the system's loader.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridge/python/src/supercircle DESTINATION lib/python3/dist-packages
+  FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${SCENES_DIR} FILES_MATCHING PATTERN "*.json")
 install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json
   ${PROJECT_SOURCE_DIR}/plugin/lab/sweep/sweep.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)

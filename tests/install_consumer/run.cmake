@@ -22,6 +22,13 @@ step("hello_scene" ${WORK}/build/hello_scene/hello_scene ${WORK}/prefix/share/su
 # The installed program finds its files from any folder.
 step("the installed program" ${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/prefix/bin/supercircle check
      ${WORK}/prefix/share/supercircle/scenes/ramp.json)
+# The Python package, by the system's loader.
+find_program(SYSTEM_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(SYSTEM_PYTHON)
+  step("Python" ${CMAKE_COMMAND} -E chdir ${WORK} ${CMAKE_COMMAND} -E env --unset=SUPERCIRCLE_LIBRARY LD_LIBRARY_PATH=${LIBRARIES}
+       PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=${WORK}/prefix/lib/python3/dist-packages ${SYSTEM_PYTHON} -c
+       "import supercircle as sc, sys\nsys.exit(sc.library_path() != 'libsupercircle_c.so.0' or sc.run('${WORK}/prefix/share/supercircle/scenes/two_shells.json').status != 'done')")
+endif()
 # pkg-config: the same program by hand.
 find_program(PKG_CONFIG pkg-config)
 if(PKG_CONFIG)

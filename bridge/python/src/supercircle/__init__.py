@@ -1,0 +1,19 @@
+"""Flexible open shells in 2D: worlds with contact and friction, a laboratory, and the diagnosis of recordings.
+
+    import supercircle as sc
+    r = sc.run("two_shells", mu=0.2)
+    r.series["force_N"]
+
+SI units, angles in rad. Arrays are NumPy copies. Refused calls raise sc.Error.
+"""
+
+from ._files import scenes
+from ._loader import library_path, version
+from .errors import (BadInputError, BusyError, Error, FailedError, LibraryError, OutOfMemoryError, RefusedError, StaleError,
+                     VersionError)
+from .lab import (Check, Curve, Diagnosis, Effect, Estimate, Imported, Replay, Result, Series, Sweep, check, diagnose,
+                  import_recording, replay, run, sweep)
+from .records import (BodyState, Energy, EventSettings, Filter, Frame, Reaction, Recovery, Section, ShellState, Sleep, Target)
+from .world import Body, Event, Force, Hit, Hold, Joint, MouseJoint, Problem, Scene, Shell, World, Zone, check_scene, effects
+
+__version__ = "0.2.0"

@@ -15,7 +15,7 @@ void Session::setAccuracy(double speed) {
     s.motionLimit = level.motion * motionLimit_;
     s.localError = level.error * localError_;
     s.relinearise = level.relinearise;
-    s.cull = s.giveUpEarly = level.prune;
+    s.cull = s.giveUpEarly = level.cull;
     sampleTravel_ = 0.0;
     if (level.longestStep == 1.0 || speed == 0.0 || scene_.numerics.dt_max > 0.0)
         return;

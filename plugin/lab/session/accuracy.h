@@ -11,7 +11,7 @@ struct AccuracyLevel {
     double motion;      ///< step::Settings::motionLimit, over that of exact
     double error;       ///< step::Settings::localError, over that of exact
     double relinearise; ///< step::Settings::relinearise, h
-    bool cull;         ///< leave out contacts that cannot meet in a step, and give hard problems up early
+    bool cull;          ///< leave out contacts that cannot meet in a step, and give hard problems up early
 };
 
 constexpr AccuracyLevel levelOf(scene::Accuracy accuracy) {

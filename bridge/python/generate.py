@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
-"""Makes the ctypes structures, prototypes and record classes of the Python package from bridge/c/api.json.
+"""Makes the ctypes structures, prototypes and record classes of the Python package from bridge/c/api.json, and its
+reference from the docstrings.
 
-    generate.py           writes src/supercircle/_api.py and src/supercircle/records.py
+    generate.py           writes src/supercircle/_api.py, src/supercircle/records.py and docs/reference/python.md
     generate.py --check   fails if they are not what would be written
 """
+import inspect
 import json
 import pathlib
+import re
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -105,13 +108,73 @@ def records(api):
     return "\n".join(lines) + "\n"
 
 
+# Section of the reference: its names, in their order. A test compares them with the package.
+SECTIONS = {
+    "Laboratory": ["run", "sweep", "check", "import_recording", "replay", "diagnose", "scenes", "effects", "check_scene"],
+    "Results": ["Result", "Series", "Sweep", "Check", "Problem", "Imported", "Replay", "Curve", "Diagnosis", "Effect", "Estimate"],
+    "Worlds": ["World", "Scene", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "Event"],
+    "Records": list(RECORDS.values()),
+    "Exceptions": ["Error", "BadInputError", "StaleError", "BusyError", "RefusedError", "FailedError", "OutOfMemoryError", "VersionError",
+                   "LibraryError"],
+    "Library": ["version", "library_path"],
+}
+
+
+def cell(text):
+    """A docstring in a cell of a table: one line for each of its lines that is not continued."""
+    lines = []
+    for line in inspect.cleandoc(text or "").replace("|", "\\|").replace("<", "&lt;").split("\n"):
+        if line.startswith(" ") and lines:
+            lines[-1] += " " + line.strip()
+        elif line.strip():
+            lines.append(line.strip())
+        elif lines:
+            lines[-1] += "<br>"
+    named = [f"`{line.partition(':')[0]}`:{line.partition(':')[2]}" if ": " in line and " " not in line.partition(":")[0].replace(", ", "") else line
+             for line in lines]
+    return "<br>".join(named).replace("<br><br>", "<br>")
+
+
+def signature(name, thing):
+    text = str(inspect.signature(thing)).partition(" ->")[0]
+    text = re.sub(r": '([^']*)'", r": \1", text).replace(str(1 / 60), "1/60").replace("'", '"')
+    text = text.replace("self, ", "").replace("self", "")
+    return f"`{name}{text}`".replace("|", "\\|")
+
+
+def reference():
+    sys.path.insert(0, str(PACKAGE.parent))
+    import supercircle as sc
+    out = ["# Python", "", "Made by `bridge/python/generate.py` from the docstrings; [From Python](../how-to/from_python.md) shows how to begin.",
+           "Units are SI, angles in rad. Arrays are NumPy copies.", ""]
+    for section, names in SECTIONS.items():
+        out += [f"## {section}", "", "| name | meaning |", "|---|---|"]
+        for name in names:
+            thing = getattr(sc, name)
+            plain = inspect.isfunction(thing) or name in ("World",)
+            out.append(f"| {signature(name, thing) if plain else f'`{name}`'} | {cell(thing.__doc__)} |")
+            members = [(n, m) for n, m in vars(thing).items() if not n.startswith("_")] if inspect.isclass(thing) else []
+            for n, m in members:
+                if isinstance(m, property) and m.__doc__:
+                    out.append(f"| `{name}.{n}` | {cell(m.__doc__)} |")
+                elif inspect.isfunction(m) or isinstance(m, classmethod):
+                    out.append(f"| {signature(f'{name}.{n}', getattr(thing, n))} | {cell(m.__doc__)} |")
+        out.append("")
+    return "\n".join(out)
+
+
 def main():
     api = json.loads((HERE.parent / "c/api.json").read_text())
     files = {PACKAGE / "_api.py": low_level(api), PACKAGE / "records.py": records(api)}
+    for path, text in files.items():
+        if "--check" not in sys.argv[1:] and (not path.exists() or path.read_text() != text):
+            path.write_text(text)
+            print(f"wrote {path.name}")
+    files[HERE.parent.parent / "docs/reference/python.md"] = reference()
     stale = [path for path, text in files.items() if not path.exists() or path.read_text() != text]
     if "--check" in sys.argv[1:]:
         for path in stale:
-            print(f"{path.name} is not that of bridge/c/api.json: run bridge/python/generate.py", file=sys.stderr)
+            print(f"{path.name} is not up to date: run bridge/python/generate.py", file=sys.stderr)
         return 1 if stale else 0
     for path in stale:
         path.write_text(files[path])

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Compiles and runs what README.md, docs/tutorials/*.md and docs/how-to/from_c.md show, and compares the printed numbers.
+"""Compiles and runs what README.md, docs/tutorials/*.md, docs/how-to/from_c.md and from_python.md show, and compares the
+printed numbers.
 
     run_documents.py --build DIR --source DIR [--compiler CXX] [--flags FLAGS] [--keep DIR] [FILES...]
 
 An HTML comment before a fenced block says what the block is:
 
     <!-- test: program NAME -->               C++, or C99 in a block of that language: compiled and linked as NAME
+    <!-- test: python NAME -->                Python, run with the package of the source tree; its output is called NAME
     <!-- test: file PATH -->                  written to PATH in the working folder
     <!-- test: run NAME -->                   sh: executed by bash; its output is called NAME
     <!-- test: output NAME [tolerance T] -->  text: what NAME prints (a program without a run block is started)
@@ -26,7 +28,7 @@ import tempfile
 
 TIME_LIMIT_S = 120
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w])")
-MARK = re.compile(r"<!--\s*test:\s*(program|file|run|output)\s+(\S+)(?:\s+tolerance\s+(\S+))?\s*-->")
+MARK = re.compile(r"<!--\s*test:\s*(program|python|file|run|output)\s+(\S+)(?:\s+tolerance\s+(\S+))?\s*-->")
 
 
 class Block:
@@ -187,6 +189,13 @@ class Bench:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(block.text, encoding="utf-8")
             why = ""
+        elif block.kind == "python":
+            (self.folder / f"{block.name}.py").write_text(block.text, encoding="utf-8")
+            self.environment["PYTHONPATH"] = str(self.options.source / "bridge/python/src")
+            self.environment["PYTHONDONTWRITEBYTECODE"] = "1"
+            self.environment["SUPERCIRCLE_LIBRARY"] = str(find(self.options.build, "libsupercircle_c.so").parent)
+            # the system's Python has the system's NumPy
+            self.outputs[block.name], why = self.execute(["/usr/bin/python3", f"{block.name}.py"])
         elif block.kind == "run":
             self.outputs[block.name], why = self.execute(["bash", "-e", "-o", "pipefail", "-c", block.text])
         elif block.kind == "output":
@@ -242,7 +251,7 @@ def main():
     if options.keep:
         options.keep = options.keep.resolve()
     files = options.files or [options.source / "README.md", *sorted((options.source / "docs/tutorials").glob("*.md")),
-                              options.source / "docs/how-to/from_c.md"]
+                              options.source / "docs/how-to/from_c.md", options.source / "docs/how-to/from_python.md"]
     failed = False
     for path in files:
         try:

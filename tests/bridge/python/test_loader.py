@@ -103,5 +103,14 @@ def test_every_call_is_used_by_the_package():
         assert name in text or f'_call("{short}"' in text, f"{name} is not used: add it to the package"
 
 
+def test_the_reference_names_everything():
+    sys.path.insert(0, str(SOURCE / "bridge/python"))
+    import generate
+
+    public = {n for n, v in vars(sc).items() if not n.startswith("_") and not isinstance(v, type(sys))}
+    assert public == {n for names in generate.SECTIONS.values() for n in names}
+    assert all(getattr(sc, n).__doc__ for n in public)
+
+
 def test_versions_agree():
     assert sc.version() == sc.__version__

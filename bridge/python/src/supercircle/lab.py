@@ -278,7 +278,12 @@ def _seeds(seeds: int | Sequence[int] | range | str) -> str:
 
 @dataclass(frozen=True)
 class Check:
-    """kind: "scene", "sweep" or "experiment"; valid; problems: also remarks; content: parameters, runs, and so on."""
+    """What a check found.
+
+    kind: "scene", "sweep" or "experiment"
+    valid: whether it can be used; problems: also remarks
+    content: parameters, runs, and so on
+    """
 
     kind: str
     valid: bool
@@ -383,8 +388,12 @@ def _experiment(path: Path) -> str:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter of an effect: value in `unit`, ci90: its 90 % interval; resolves_sign: False: the mirror image fits
-    as well."""
+    """A parameter of an effect.
+
+    value: in `unit`
+    ci90: its 90 % interval
+    resolves_sign: whether the mirror image fits worse
+    """
 
     value: float
     unit: str

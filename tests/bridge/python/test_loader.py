@@ -112,5 +112,10 @@ def test_the_reference_names_everything():
     assert all(getattr(sc, n).__doc__ for n in public)
 
 
+def test_a_python_without_numpy_is_told_what_to_do(tmp_path):
+    (tmp_path / "numpy.py").write_text("raise ImportError('none')")
+    assert "install python3-numpy" in python("import sys; sys.path.insert(0, " + repr(str(tmp_path)) + "); import supercircle")
+
+
 def test_versions_agree():
     assert sc.version() == sc.__version__

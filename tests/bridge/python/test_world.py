@@ -45,7 +45,7 @@ def test_shapes_are_equally_spaced_copies():
         world.create_shell(position=(1, 0), elements=31)
         shapes = world.shapes(33)
         assert shapes.shape == (2, 33, 2) and shapes.dtype == np.float64
-        # chords of equal arcs of a circle: 2 R sin(L / (64 R)); the polyline deviates by 1e-6 L at most
+        # chords of equal arcs of a circle: 2 R sin(L / (64 R)); the polyline deviates by 1e-5 L at most
         chord = 2 * 0.0192 * np.sin(first.state.length / 64 / 0.0192)
         assert np.hypot(*np.diff(shapes[0], axis=0).T) == pytest.approx(np.full(32, chord), rel=1e-4)
         shapes[:] = 0.0

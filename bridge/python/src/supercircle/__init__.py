@@ -7,6 +7,12 @@
 SI units, angles in rad. Arrays are NumPy copies. Refused calls raise sc.Error.
 """
 
+try:
+    import numpy as _numpy  # noqa: F401
+except ImportError as _error:
+    raise ImportError("supercircle needs NumPy, and this Python has none: install python3-numpy and call /usr/bin/python3, "
+                      "or install numpy into this Python") from _error
+
 from ._files import scenes
 from ._loader import library_path, version
 from .errors import (BadInputError, BusyError, Error, FailedError, LibraryError, OutOfMemoryError, RefusedError, StaleError,

@@ -85,7 +85,7 @@ def items(struct: type[Any], call: Callable[[Any, int], int]) -> list[Any]:
 
 def points(call: Callable[[Any, int], int]) -> Floats:
     """All points of a call that fills a buffer, shape (n, 2)."""
-    capacity = 128
+    capacity = 512
     while True:
         out = np.empty((capacity, 2))
         count = call(out.ctypes.data, capacity)
@@ -96,11 +96,21 @@ def points(call: Callable[[Any, int], int]) -> Floats:
 
 def record(kind: type[Record], struct: ctypes.Structure) -> Record:
     """The dataclass of a struct."""
-    values = {}
-    for field in dataclasses.fields(kind):
-        value = getattr(struct, field.name)
-        values[field.name] = array2(value) if isinstance(value, _api.sc_point) else bool(value) if str(field.type) == "bool" else value
-    return kind(**values)
+    values = []
+    for name, flag in _members(kind):
+        value = getattr(struct, name)
+        values.append(array2(value) if isinstance(value, _api.sc_point) else bool(value) if flag else value)
+    return kind(*values)
+
+
+_known: dict[Any, list[tuple[str, bool]]] = {}
+
+
+def _members(kind: Any) -> list[tuple[str, bool]]:
+    """(name, whether it is yes or no) of the members of a record class."""
+    if kind not in _known:
+        _known[kind] = [(field.name, str(field.type) == "bool") for field in dataclasses.fields(kind)]
+    return _known[kind]
 
 
 def target(position: Point, angle: float, velocity: Point, spin: float) -> _api.sc_target:

@@ -112,7 +112,7 @@ class Shell(Part):
 
     def points(self, count: int = 64) -> Floats:
         """`count` points of the centre line at equal distances along it, m, shape (count, 2)."""
-        line = self.polyline(1e-6 * self.state.length)
+        line = self.polyline(1e-5 * self.state.length)
         along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
         at = np.linspace(0.0, along[-1], count)
         return np.column_stack([np.interp(at, along, line[:, 0]), np.interp(at, along, line[:, 1])])

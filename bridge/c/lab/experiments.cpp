@@ -1,6 +1,7 @@
 // Recorded experiments: import, replay, diagnosis.
 
 #include "bridge/c/lab/request.h"
+#include "plugin/identification/diagnosis/carried_score.h"
 #include "plugin/identification/diagnosis/diagnose.h"
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/diagnosis/stored_fits.h"
@@ -9,6 +10,7 @@
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
+#include "plugin/pages/diagnosis/stored_fits_json.h"
 #include "plugin/pages/replay/replay_page.h"
 #include "plugin/recording/experiment/load.h"
 #include "plugin/recording/import/specimen_file.h"
@@ -55,6 +57,16 @@ cli::Replay prepared(const Request& r, Json& notes) {
         refuse(SC_BAD_INPUT, "\"fidelity\" of the request: expected \"coarse\" or \"fine\"");
     out.resolution = fidelity == "coarse" ? replay::Resolution::coarse() : replay::Resolution::fine();
     out.resolution.elements = static_cast<int>(r.integer("elements", out.resolution.elements, 3, 4096));
+    const std::string with = r.text("with"), carry = r.text("carry");
+    if (!with.empty() && !carry.empty())
+        refuse(SC_BAD_INPUT, "the request has both \"with\" and \"carry\"; give one of them");
+    if (const std::string file = with + carry; !file.empty()) {
+        const bool carried = with.empty();
+        const auto taken = cli::takeFit(file, r.text("label"), carried, out.experiment, out.parameters);
+        if (!taken)
+            refuse(SC_BAD_INPUT, taken.error());
+        out.taken = cli::TakenFit{file, taken->label, carried, taken->notes, std::nullopt, {}};
+    }
     for (const auto& [name, value] : r.numbers("parameters"))
         if (const std::string why = replay::set(out.parameters, out.experiment, name, value); !why.empty())
             refuse(SC_BAD_INPUT, name + ": " + why);
@@ -105,6 +117,15 @@ Json curvesJson(const cli::Replay& all) {
                        {"simulated", inUnit(all.runs[k].simulated.readings.force)}});
     }
     return out;
+}
+
+void scoreCarriedLaw(cli::Replay& all, Watch& watch) {
+    if (!all.taken || !all.taken->carried || watch.cancelled())
+        return;
+    const auto score = diagnosis::scoreOfLaw(all.experiment, all.parameters.effects, &watch.cancelled());
+    all.taken->failure = score.error();
+    if (score)
+        all.taken->score = *score;
 }
 
 diagnosis::Diagnosis diagnoseAll(const Request& r, const experiment::Experiment& e, Watch& watch,
@@ -231,11 +252,12 @@ const char* sc_lab_import(const char* request, sc_lab_progress progress, void* c
 
 const char* sc_lab_replay(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request, {"file", "parameters", "effects", "elements", "fidelity"});
+        const Request r(request, {"file", "parameters", "effects", "with", "carry", "label", "elements", "fidelity"});
         Json notes;
         cli::Replay all = prepared(r, notes);
         return watched(progress, context, [&](Watch& watch) {
             simulateRuns(all, watch);
+            scoreCarriedLaw(all, watch);
             std::string failure;
             for (const cli::ReplayedRun& run : all.runs)
                 if (failure.empty() && !run.simulated.failure.empty())

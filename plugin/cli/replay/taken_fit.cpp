@@ -1,7 +1,6 @@
 #include "plugin/cli/replay/taken_fit.h"
 
 #include "plugin/identification/diagnosis/carried_score.h"
-#include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/pages/diagnosis/stored_fits_json.h"
 
 #include <cstdio>
@@ -25,29 +24,6 @@ TakenFit named(const std::string& text) {
     return out;
 }
 
-/// The text of what is wrong, or nothing.
-std::string take(TakenFit& taken, Replay& replay) {
-    const auto fits = readStoredFits(taken.file);
-    if (!fits)
-        return fits.error();
-    const auto fit = diagnosis::fitCalled(*fits, taken.label);
-    if (!fit)
-        return taken.file + ": " + fit.error();
-    taken.label = fit->label;
-    if (!taken.carried) {
-        if (fits->checkSum != diagnosis::checkSumOf(replay.experiment))
-            return taken.file + " is of other recordings or another description than " + replay.experiment.file +
-                   "; diagnose this experiment, or take the law alone with --carry";
-        return diagnosis::setTo(*fit, replay.experiment, replay.parameters);
-    }
-    auto law = diagnosis::carriedTo(diagnosis::sectionOf(replay.experiment, replay.parameters), *fit);
-    if (!law)
-        return taken.file + ": " + law.error();
-    taken.notes = law->notes;
-    replay.parameters.effects = std::move(law->effects);
-    return replay::checkEffects(replay.parameters, replay.experiment);
-}
-
 } // namespace
 
 bool takeFit(const ReplayArguments& a, Replay& replay) {
@@ -56,10 +32,13 @@ bool takeFit(const ReplayArguments& a, Replay& replay) {
     const bool carried = a.with.empty();
     TakenFit taken = named(carried ? a.carry : a.with);
     taken.carried = carried;
-    if (const std::string why = take(taken, replay); !why.empty()) {
-        std::fprintf(stderr, "%s: %s\n", carried ? "--carry" : "--with", why.c_str());
+    auto done = takeFit(taken.file, taken.label, carried, replay.experiment, replay.parameters);
+    if (!done) {
+        std::fprintf(stderr, "%s: %s\n", carried ? "--carry" : "--with", done.error().c_str());
         return false;
     }
+    taken.label = done->label;
+    taken.notes = std::move(done->notes);
     replay.taken = std::move(taken);
     return true;
 }
@@ -72,8 +51,7 @@ void scoreCarriedLaw(Replay& replay, bool quiet) {
     const auto score = diagnosis::scoreOfLaw(replay.experiment, replay.parameters.effects, &interrupted);
     replay.taken->failure = score.error();
     if (score)
-        replay.taken->score = CarriedScore{score->rmseWithout, score->rmseWith, score->heldOutWithout,
-                                           score->heldOutWith, score->gain,     score->gainError};
+        replay.taken->score = *score;
 }
 
 } // namespace supercircle::cli

@@ -52,6 +52,13 @@ struct Comparison {
     std::vector<bool> excluded;   ///< whether a row is excluded
 };
 
+/// Errors of a law that was found elsewhere, where only the stated numbers are fitted, in the unit of the channel.
+struct LawScore {
+    double rmseWithout = 0.0, rmseWith = 0.0;       ///< of all readings
+    double heldOutWithout = 0.0, heldOutWith = 0.0; ///< of readings that are left out in turn
+    double gain = 0.0, gainError = 0.0;             ///< in held-out log score, and its standard error
+};
+
 /// Interval excluded around landmarks; the defaults are those of the reference specimen.
 struct ExclusionWindow {
     double before = 0.1;   ///< s, before the earlier of the two

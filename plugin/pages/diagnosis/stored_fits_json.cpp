@@ -94,4 +94,33 @@ Result<StoredFits> readStoredFits(const std::string& file) {
     return out;
 }
 
+Result<Taken> takeFit(const std::string& file, const std::string& label, bool carried, const experiment::Experiment& e,
+                      replay::Parameters& parameters) {
+    using Failed = Result<Taken>;
+    const auto fits = readStoredFits(file);
+    if (!fits)
+        return Failed::failure(fits.error());
+    const auto fit = diagnosis::fitCalled(*fits, label);
+    if (!fit)
+        return Failed::failure(file + ": " + fit.error());
+    Taken out{fit->label, {}};
+    std::string why;
+    if (!carried) {
+        if (fits->checkSum != diagnosis::checkSumOf(e))
+            return Failed::failure(file + " is of other recordings or another description than " + e.file +
+                                   "; diagnose this experiment, or carry the law alone");
+        why = diagnosis::setTo(*fit, e, parameters);
+    } else {
+        auto law = diagnosis::carriedTo(diagnosis::sectionOf(e, parameters), *fit);
+        if (!law)
+            return Failed::failure(file + ": " + law.error());
+        out.notes = law->notes;
+        parameters.effects = std::move(law->effects);
+        why = replay::checkEffects(parameters, e);
+    }
+    if (!why.empty())
+        return Failed::failure(file + ": " + why);
+    return out;
+}
+
 } // namespace supercircle::cli

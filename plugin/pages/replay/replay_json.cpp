@@ -99,7 +99,7 @@ Json takenOf(const TakenFit& taken, const experiment::Channel& channel) {
     json["notes"] = taken.notes;
     if (!taken.score)
         return json;
-    const CarriedScore& s = *taken.score;
+    const replay::LawScore& s = *taken.score;
     json["without"] = {{"training_rmse" + unit, s.rmseWithout}, {"heldout_rmse" + unit, s.heldOutWithout}};
     json["with"] = {{"training_rmse" + unit, s.rmseWith}, {"heldout_rmse" + unit, s.heldOutWith}};
     json["heldout_gain"] = s.gain;

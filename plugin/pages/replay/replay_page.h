@@ -19,21 +19,13 @@ struct ReplayedRun {
     replay::Comparison comparison;
 };
 
-/// Errors of a carried law where only the stated numbers are fitted, in the unit of the channel, and the gain in
-/// held-out log score with its standard error.
-struct CarriedScore {
-    double rmseWithout = 0.0, rmseWith = 0.0;
-    double heldOutWithout = 0.0, heldOutWith = 0.0;
-    double gain = 0.0, gainError = 0.0;
-};
-
 /// The fit of a diagnosis that a replay takes.
 struct TakenFit {
     std::string file, label;
-    bool carried = false;              ///< only its law, to this experiment
-    std::vector<std::string> notes;    ///< of the law, in this section
-    std::optional<CarriedScore> score; ///< of a carried law
-    std::string failure;               ///< why there is no score; empty: there is
+    bool carried = false;                  ///< only its law, to this experiment
+    std::vector<std::string> notes;        ///< of the law, in this section
+    std::optional<replay::LawScore> score; ///< of a carried law
+    std::string failure;                   ///< why there is no score; empty: there is
 };
 
 /// Result of a replay.

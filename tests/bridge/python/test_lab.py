@@ -89,6 +89,8 @@ def test_exports_are_imported_and_recordings_replayed(tmp_path):
 def test_a_diagnosis_is_a_dataclass():
     with pytest.raises(sc.BadInputError, match="no effect"):
         sc.diagnose(CASE, without=["phlogiston"])
+    with pytest.raises(sc.BadInputError, match="is no diagnosis.json"):
+        sc.replay(CASE, fit_of=CASE / "experiment.json")
     d = sc.diagnose(CASE, time_limit_min=0.001, next_experiment=False)
     assert d.status == "done" and d.verdict in ("adequate", "identified", "ambiguous", "outside_catalogue", "inconclusive")
     assert d.statement and d.notes and d.details["schema"] == "supercircle-diagnosis/2" and str(d).startswith(d.verdict)

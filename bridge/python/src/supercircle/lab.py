@@ -364,21 +364,30 @@ class Replay:
 
 
 def replay(experiment: Path, *, parameters: Mapping[str, float] | None = None, effects: Sequence[str] | None = None,
+           fit_of: Path | None = None, law_of: Path | None = None, label: str | None = None,
            elements: int | None = None, fidelity: str = "fine", progress: Progress = None) -> Replay:
     """Simulates a recorded experiment and compares.
 
     experiment: path of its experiment.json
     parameters: numbers by name; effects: such as "planar_drag:f_N_m=0.2"
+    fit_of: path of this experiment's diagnosis.json, whose fit is repeated
+    law_of: path of another specimen's diagnosis.json, whose law is restated for this section and scored
+    label: of the effect; without it the fit that is drawn there, "nothing" that without an effect
     elements: arcs of a specimen; fidelity: "fine" or "coarse"
     FailedError: a run could not be simulated; its `result` is what was done.
     """
     answer = _ask("sc_lab_replay", {"file": _experiment(experiment), "parameters": parameters, "effects": list(effects) if effects else None,
-                                    "elements": elements, "fidelity": fidelity}, progress)
+                                    "with": _path(fit_of), "carry": _path(law_of), "label": label, "elements": elements,
+                                    "fidelity": fidelity}, progress)
     curves = [Curve(c["run"], c["channel"], c["unit"], _array(c["time_s"]), _array(c["displacement_m"]), _array(c["recorded"]),
                     _array(c["simulated"])) for c in answer["curves"]]
     result = Replay(answer["status"], answer["notes"], curves, answer["replay"])
     _done("replay", answer, result)
     return result
+
+
+def _path(path: Path | None) -> str | None:
+    return None if path is None else str(pathlib.Path(os.fspath(path)).expanduser())
 
 
 def _experiment(path: Path) -> str:

@@ -27,9 +27,9 @@ Scored scored(Evaluator& evaluator, const Likelihood& likelihood, FitResult fitt
 
 } // namespace
 
-Result<LawScore> scoreOfLaw(const experiment::Experiment& e, const std::vector<effects::Setting>& law,
-                            const std::atomic<bool>* interrupt) {
-    using Failed = Result<LawScore>;
+Result<replay::LawScore> scoreOfLaw(const experiment::Experiment& e, const std::vector<effects::Setting>& law,
+                                    const std::atomic<bool>* interrupt) {
+    using Failed = Result<replay::LawScore>;
     constexpr std::size_t kFewest = 20; // readings of a run, as of a diagnosis
     for (const experiment::Run& run : e.runs)
         if (run.readings.time.size() < kFewest)
@@ -63,7 +63,7 @@ Result<LawScore> scoreOfLaw(const experiment::Experiment& e, const std::vector<e
         if (held.size() == 0 || held.size() != heldWithout.size())
             return Failed::failure("no readings can be left out");
         const Paired gain = paired(held, heldWithout);
-        return LawScore{a.rmse, b.rmse, a.held.forceRmse, b.held.forceRmse, gain.difference, gain.error};
+        return replay::LawScore{a.rmse, b.rmse, a.held.forceRmse, b.held.forceRmse, gain.difference, gain.error};
     } catch (const Stopped&) {
         return Failed::failure("interrupted");
     }

@@ -59,7 +59,7 @@ public:
 
 private:
     void decide() {
-        out_.noise = estimateNoise(data_);
+        out_.noise = estimateNoise(data_, {}, evaluator_.stop());
         bool going = out_.noise.total() > 0.0;
         if (!going)
             reportUnknownNoise();
@@ -235,7 +235,7 @@ bool Procedure::prepareBaseline() {
     for (std::size_t r = 0; r < data_.runs.size(); ++r)
         left.push_back(forceResidual(*likelihood_, r, baseline_.responses[r]));
     const PeriodicDisturbance disturbance = findDisturbanceInResidual(data_, left);
-    return disturbance.period <= 0.0 || fitWith(estimateNoise(data_, disturbance));
+    return disturbance.period <= 0.0 || fitWith(estimateNoise(data_, disturbance, evaluator_.stop()));
 }
 
 bool Procedure::fitWith(const Noise& noise) {

@@ -13,6 +13,7 @@
 
 #include "plugin/identification/diagnosis/data.h"
 #include "plugin/identification/diagnosis/recorded/periodic_disturbance.h"
+#include "plugin/identification/diagnosis/stop.h"
 
 #include <cstdint>
 #include <string>
@@ -47,7 +48,9 @@ struct Noise {
 };
 
 /// @param known a disturbance found in whole runs (disturbanceInResidual()), which is removed first
-Noise estimateNoise(const RecordedData& data, const PeriodicDisturbance& known = {});
+/// @param stop  its interrupt throws Stopped; the time limit does not count, since nothing works without the noise
+Noise estimateNoise(const RecordedData& data, const PeriodicDisturbance& known = {},
+                    const StopToken& stop = StopToken());
 
 /// 97.5 % posterior quantile of the mean squared whitened noise, relative to the most probable noise; 1 where the noise
 /// is known exactly.

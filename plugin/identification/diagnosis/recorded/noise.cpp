@@ -203,13 +203,16 @@ struct NoiseEstimate {
 /// Among sizes within a factor of 2.5 around `anchor`.
 /// @param usual correlation time, s
 NoiseEstimate estimateAround(double anchor, const std::vector<DwellInterval>& dwells,
-                             const std::vector<DifferenceScale>& scales, double stated, double usual) {
+                             const std::vector<DifferenceScale>& scales, double stated, double usual,
+                             const StopToken& stop) {
     constexpr int kSizes = 30;
     NoiseEstimate best;
     std::vector<Noise::PosteriorDraw> grid;
     std::vector<double> logs;
     for (const double times : {0.6, 1.0, 1.6})
-        for (int i = -kSizes; i <= kSizes; ++i)
+        for (int i = -kSizes; i <= kSizes; ++i) {
+            if (stop.interrupted())
+                throw Stopped{};
             for (int j = -12; j <= 12; ++j) {
                 const double correlationTime = times * usual;
                 const double white = 0.9 * anchor * math::exp(0.03 * i);
@@ -233,6 +236,7 @@ NoiseEstimate estimateAround(double anchor, const std::vector<DwellInterval>& dw
                     best.atGridEdge = std::abs(i) == kSizes;
                 }
             }
+        }
     best.noise.posterior = drawn(grid, logs, best.logLikelihood);
     best.noise.excessKurtosis = excessKurtosisOf(scales);
     return best;
@@ -249,14 +253,14 @@ std::vector<DifferenceScale> differenceScalesFor(const RecordedData& data, doubl
 /// @param stated N; 0: not stated or dropped; then the grid moves until the maximum lies inside
 /// @param least smallest white noise, N
 NoiseEstimate estimateSize(const std::vector<DwellInterval>& dwells, const std::vector<DifferenceScale>& scales,
-                           double stated, double least, double usual) {
+                           double stated, double least, double usual, const StopToken& stop) {
     if (stated > 0.0)
-        return estimateAround(stated, dwells, scales, stated, usual);
+        return estimateAround(stated, dwells, scales, stated, usual, stop);
     constexpr int kMoves = 40; // a factor of 2.5 each
     NoiseEstimate best;
     double anchor = scales.empty() ? 0.0 : scales.front().scale / std::sqrt(6.0);
     for (int moves = 0; moves < kMoves && anchor > 0.0; ++moves) {
-        best = estimateAround(anchor, dwells, scales, stated, usual);
+        best = estimateAround(anchor, dwells, scales, stated, usual, stop);
         if (!best.atGridEdge || best.noise.white <= least)
             break;
         anchor = best.noise.white / 0.9;
@@ -267,7 +271,7 @@ NoiseEstimate estimateSize(const std::vector<DwellInterval>& dwells, const std::
 /// The same with a periodic disturbance removed, where there is no doubt of one. Otherwise it counts as noise and hides
 /// itself (decision 0071).
 NoiseEstimate withoutDisturbance(const RecordedData& data, const std::vector<DwellInterval>& dwells, double stated,
-                                 double least, NoiseEstimate plain) {
+                                 double least, NoiseEstimate plain, const StopToken& stop) {
     constexpr double kPeriods = 2.0; // periods in the dwell intervals of one run, at least
     const double price = disturbancePenalty(data);
     const double white = std::max(plain.noise.white, 1e-300);
@@ -277,7 +281,7 @@ NoiseEstimate withoutDisturbance(const RecordedData& data, const std::vector<Dwe
         return plain;
     RecordedData still = disturbance.removedFrom(data);
     NoiseEstimate other = estimateSize(dwellIntervalsOf(still), differenceScalesFor(still, stated), stated, least,
-                                       still.usualCorrelationTime());
+                                       still.usualCorrelationTime(), stop);
     if (other.logLikelihood < plain.logLikelihood + price)
         return plain;
     other.noise.disturbancePeriod = disturbance.period;
@@ -304,7 +308,7 @@ bool refutes(const RecordedData& data, const std::vector<DwellInterval>& dwells,
 
 } // namespace
 
-Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& known) {
+Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& known, const StopToken& stop) {
     if (recorded.free)
         return freeNoise(recorded);
     const RecordedData data = known.removedFrom(recorded);
@@ -313,7 +317,8 @@ Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& kno
     const auto estimateWith = [&](double stated) {
         return withoutDisturbance(
             data, dwells, stated, least,
-            estimateSize(dwells, differenceScalesFor(data, stated), stated, least, data.usualCorrelationTime()));
+            estimateSize(dwells, differenceScalesFor(data, stated), stated, least, data.usualCorrelationTime(), stop),
+            stop);
     };
     NoiseEstimate estimate = estimateWith(data.statedForceNoise);
     double stated = data.statedForceNoise;

@@ -3,7 +3,9 @@
 #include "plugin/identification/diagnosis/likelihood/whitening.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/recorded/periodic_disturbance.h"
+#include "plugin/identification/diagnosis/stop.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <functional>
 
@@ -55,6 +57,13 @@ TEST_CASE("noise other than stated is estimated and is no missing physics", "[di
         CHECK((d.verdict == "adequate" || d.verdict == "inconclusive"));
         CHECK(d.baselineChiSquaredPerReading == Approx(1.0).margin(0.15)); // 25 with the stated noise
     }
+}
+
+TEST_CASE("an interrupt ends the estimate of the noise, the time limit does not", "[diagnosis]") {
+    const RecordedData data = noisier(1, 1.0);
+    const std::atomic<bool> interrupted{true};
+    CHECK_THROWS_AS(estimateNoise(data, {}, StopToken(&interrupted)), Stopped);
+    CHECK(estimateNoise(data, {}, StopToken(nullptr, [] { return true; })).total() == estimateNoise(data).total());
 }
 
 TEST_CASE("noise near the stated value keeps it as a prior", "[diagnosis]") {

@@ -1,13 +1,13 @@
 // Free mechanisms: synthetic recordings with known bearing friction and drag, and a real pendulum if its recordings are
 // present.
 
+#include "plugin/identification/diagnosis/carried_score.h"
 #include "plugin/identification/diagnosis/data.h"
 #include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/localisation/windows.h"
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/replay_model.h"
-#include "plugin/identification/diagnosis/carried_score.h"
 #include "plugin/identification/diagnosis/selection/law_variants.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"

@@ -1,5 +1,7 @@
 #include "supercircle/step/energy_gain.h"
 
+#include "supercircle/rod/elasticity.h"
+#include "supercircle/rod/inertia.h"
 #include "supercircle/step/contact_memory.h"
 #include "supercircle/step/contacts/contact_rows.h"
 
@@ -22,7 +24,14 @@ double boundOfGain(const EnergyBalance& before, const World& world, const Settin
     // ordinary play, but in a few of a million random calls.
     constexpr double kShare = 1e-3, kShareOfOverlaps = 1e-2;
     const EnergyBalance& now = world.energyBalance;
-    double moved = std::max({0.0, before.kinetic, now.kinetic}) + std::max({0.0, before.bending, now.bending}) +
+    double kinetic = 0.0, bending = 0.0; // the balance of an island begins at zero: it has their changes only
+    for (const Rod& r : world.rods)
+        if (!r.frozen()) {
+            kinetic += rod::kineticEnergy(r.gauss, r.u);
+            bending += rod::bendingEnergy(r.model, r.q);
+        }
+    double moved = std::max({before.kinetic, now.kinetic, kinetic, kinetic - (now.kinetic - before.kinetic)}) +
+                   std::max({before.bending, now.bending, bending, bending - (now.bending - before.bending)}) +
                    std::abs(now.work - before.work) + std::abs(now.toBodies - before.toBodies);
     double rows = 0.0;
     const OverlapClosing overlaps = overlapClosing(settings, 1.0);

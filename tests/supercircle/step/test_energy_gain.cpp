@@ -39,6 +39,20 @@ TEST_CASE("the bound of a gain is a share of what moves, and what gaps may bring
     CHECK(step::boundOfGain(before, w, s, 1.0 / 60.0) == Approx(still + 1.1e-2 + held));
 }
 
+TEST_CASE("the bound of a gain is the same for an island, whose balance begins at zero", "[step][energy]") {
+    step::World w;
+    put(w, paperShell(), Vec2::Zero(), 0.0, 0.3);
+    const step::Settings s;
+    const double still = step::boundOfGain(w.energyBalance, w, s, 1.0 / 60.0);
+    for (Vec2& u : w.rods[0].u)
+        u = {3.0, 4.0};
+    w.energyBalance = {};
+    const double kinetic = 0.5 * w.rods[0].model.mass() * 25.0;
+    CHECK(step::boundOfGain({}, w, s, 1.0 / 60.0) == Approx(still + 1e-3 * kinetic));
+    w.energyBalance.kinetic = -kinetic; // it was twice as much before
+    CHECK(step::boundOfGain({}, w, s, 1.0 / 60.0) == Approx(still + 2e-3 * kinetic));
+}
+
 TEST_CASE("a frame of a picosecond does not throw apart what was put into each other", "[step][energy]") {
     // 3 % of a thickness closes in one step, as steps make it themselves. Over 1 ps that is 15 000 km/s.
     const bool game = GENERATE(false, true);

@@ -53,8 +53,11 @@ std::string read(const Json& json, StoredFit& out) {
         out.parameters.emplace_back(name, value.get<double>());
     }
     std::vector<std::string> effects;
-    for (const Json& effect : json["effects"])
-        effects.push_back(effect.is_string() ? effect.get<std::string>() : effect.dump());
+    for (const Json& effect : json["effects"]) {
+        if (!effect.is_string())
+            return "an effect is not written as \"KEY:NAME=VALUE\"; diagnose the experiment again";
+        effects.push_back(effect.get<std::string>());
+    }
     if (std::string why = diagnosis::readAssignments(effects, out.effects); !why.empty())
         return why;
     const Json section = json.contains("section") ? json["section"] : Json();

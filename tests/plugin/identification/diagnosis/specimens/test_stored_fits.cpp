@@ -82,6 +82,22 @@ TEST_CASE("a stored fit is read back to the last bit", "[diagnosis]") {
         CHECK(replay::get(again, e, info.name) == replay::get(p, e, info.name));
 }
 
+TEST_CASE("a stored fit that cannot be read says what to do", "[diagnosis]") {
+    const test::Folder folder;
+    const std::string file = folder.path + "/diagnosis.json";
+    const auto refused = [&](const std::string& fit) {
+        std::ofstream(file) << R"({"schema": "supercircle-diagnosis/2", "replay": {"fits": [)" << fit << "]}}";
+        return cli::readStoredFits(file).error();
+    };
+    CHECK_THAT(refused(""), Contains("is empty; diagnose the experiment again"));
+    CHECK_THAT(refused("{}"), Contains("without label, parameters or effects"));
+    CHECK_THAT(refused(R"({"label": "wear", "parameters": {}, "effects": [{"key": "wear"}]})"),
+               Contains("/replay/fits/0: an effect is not written as \"KEY:NAME=VALUE\""));
+    CHECK_THAT(refused(R"({"label": "wear", "parameters": {}, "effects": ["waer:change=1"]})"), Contains("wear"));
+    CHECK_THAT(refused(R"({"label": "wear", "parameters": {"friction": "0.3"}, "effects": []})"),
+               Contains("parameter friction is no number"));
+}
+
 TEST_CASE("the check sum is that of description and runs", "[diagnosis]") {
     experiment::Experiment e = baseline(101), other = e;
     CHECK(diagnosis::checkSumOf(e) == diagnosis::checkSumOf(other));

@@ -169,7 +169,7 @@ std::string takenParagraph(const TakenFit& t, const experiment::Channel& channel
     const std::string of = "the fit \"" + graphics::escaped(t.label) + "\" of " + graphics::escaped(t.file);
     if (!t.carried)
         return "<p>Parameters and effects are those of " + of + ".</p>";
-    std::string html = "<p>The law is that of " + of + "; all other numbers are as stated.";
+    std::string html = "<p>The law is that of " + of + ". In the pictures all other numbers are as stated.";
     const std::string unit = std::string(" ") + channel.unit;
     if (t.score)
         html += " Where they are fitted inside their intervals, readings that are left out are met to " +

@@ -3,7 +3,8 @@
 
     generate.py --exports FILE                                the exports of the module, one a line, for the linker
     generate.py --package FOLDER --wasm FILE --version X.Y.Z  supercircle.mjs, supercircle.js (classic script),
-                                                              supercircle.d.ts, supercircle.wasm, package.json, README.md
+                                                              supercircle.d.ts, supercircle.wasm, package.json, README.md,
+                                                              LICENSE, THIRD_PARTY.txt
 
 A new call of the C interface gets into `calls`, its types and the exports by running this script.
 """
@@ -188,6 +189,7 @@ def main():
     parser.add_argument("--package", type=pathlib.Path)
     parser.add_argument("--wasm", type=pathlib.Path)
     parser.add_argument("--version")
+    parser.add_argument("--licences", type=pathlib.Path, nargs="*", default=[], help="of what the module contains")
     arguments = parser.parse_args()
     api = Api()
     if arguments.exports:
@@ -204,6 +206,8 @@ def main():
         shutil.copy(HERE / "package/README.md", folder)
         shutil.copy(HERE.parent.parent / "LICENSE", folder)
         shutil.copy(arguments.wasm, folder / "supercircle.wasm")
+        parts = [f"==== {path.parent.name}\n\n{path.read_text(errors='replace')}" for path in arguments.licences if path.exists()]
+        (folder / "THIRD_PARTY.txt").write_text("\n\n".join(parts))
 
 
 if __name__ == "__main__":

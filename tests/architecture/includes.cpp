@@ -115,7 +115,8 @@ const std::vector<Rule>& rules() {
          {},
          {}},
         {"plugin/pages/diagnosis/",
-         {"plugin/graphics/", "plugin/identification/diagnosis/", "plugin/recording/", "supercircle/support/"},
+         {"plugin/graphics/", "plugin/identification/diagnosis/", "plugin/recording/", "plugin/scene/loader/",
+          "supercircle/support/"},
          {},
          {"nlohmann/"}},
         // The subcommand `view` starts the testbed, which lives on the games' framework.

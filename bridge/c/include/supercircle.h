@@ -314,6 +314,8 @@ SC_API int32_t sc_api_version(void);
 SC_API const char* sc_version(void);
 /// Why this thread's last call was refused: one sentence, or one line a problem. Empty if it was not.
 SC_API const char* sc_error(void);
+/// Its status; says more than the NaN, 0 or null of a refused call.
+SC_API sc_status sc_error_status(void);
 /// Memory for languages without their own; null if there is none.
 SC_API void* sc_alloc(int32_t bytes);
 /// Frees memory of sc_alloc; null is allowed.

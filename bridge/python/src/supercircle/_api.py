@@ -351,6 +351,7 @@ CALLS: Prototypes = {
     "sc_api_version": (c_int32, ()),
     "sc_version": (c_char_p, ()),
     "sc_error": (c_char_p, ()),
+    "sc_error_status": (STATUS, ()),
     "sc_alloc": (c_void_p, (c_int32, )),
     "sc_free": (None, (c_void_p, )),
     "sc_layout": (c_char_p, ()),

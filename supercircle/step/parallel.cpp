@@ -1,5 +1,17 @@
 #include "supercircle/step/parallel.h"
 
+#if defined(SUPERCIRCLE_ONE_THREAD) // a build without TBB; results do not depend on the number of threads
+
+namespace supercircle::step {
+
+parallel::For threadLoop(int) {
+    return {};
+}
+
+} // namespace supercircle::step
+
+#else
+
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
@@ -44,3 +56,5 @@ parallel::For threadLoop(int threads) {
 }
 
 } // namespace supercircle::step
+
+#endif

@@ -14,6 +14,7 @@ constexpr std::size_t kLongestText = std::size_t{64} << 20; ///< bytes, as the s
 
 struct Texts {
     std::string error;
+    sc_status status = SC_OK;
     bool errorLost = false;          ///< there was no memory for it
     std::array<std::string, 4> kept; ///< the last ones
     std::size_t next = 0;
@@ -31,9 +32,9 @@ void remember(std::string_view why) noexcept {
 
 } // namespace
 
-sc_status shield(void (*work)(void*), void* context) noexcept {
-    texts.error.clear();
-    texts.errorLost = false;
+namespace {
+
+sc_status statusOf(void (*work)(void*), void* context) noexcept {
     try {
         work(context);
         return SC_OK;
@@ -53,6 +54,20 @@ sc_status shield(void (*work)(void*), void* context) noexcept {
         remember("an unknown exception");
         return SC_FAILED;
     }
+}
+
+} // namespace
+
+sc_status shield(void (*work)(void*), void* context) noexcept {
+    texts.error.clear();
+    texts.errorLost = false;
+    const sc_status status = statusOf(work, context);
+    texts.status = status; // not before: work may call back
+    return status;
+}
+
+sc_status lastStatus() noexcept {
+    return texts.status;
 }
 
 const char* lastError() noexcept {

@@ -39,6 +39,7 @@ sc_status shielded(F&& work) noexcept {
 
 /// The sentence of this thread's last refusal; empty after a call that was done.
 const char* lastError() noexcept;
+sc_status lastStatus() noexcept;
 /// Keeps a text until this thread has got four more.
 const char* keep(std::string text);
 

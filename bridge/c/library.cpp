@@ -16,6 +16,10 @@ const char* sc_error(void) {
     return lastError();
 }
 
+sc_status sc_error_status(void) {
+    return lastStatus();
+}
+
 void* sc_alloc(int32_t bytes) {
     void* memory = nullptr;
     (void)shielded([&] {

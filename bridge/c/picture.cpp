@@ -1,4 +1,4 @@
-// The world as an SVG element, drawn by the canvas of the pages.
+// The world as a draw list, and as an SVG element drawn by the canvas of the pages.
 
 #include "bridge/box2d/box2d_port.h"
 #include "bridge/c/world.h"
@@ -7,10 +7,13 @@
 #include "supercircle/step/world.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 using namespace supercircle::c;
 namespace graphics = supercircle::graphics;
+namespace live = supercircle::live;
+namespace picture = supercircle::picture;
 using supercircle::Colour;
 using supercircle::DrawOptions;
 using supercircle::Point;
@@ -118,12 +121,20 @@ void drawBodies(World& w, const std::vector<supercircle::step::BodyOutline>& out
     }
 }
 
-std::string svg(World& w, const sc_view& v) {
+sc_view checked(const sc_view* view) {
+    const sc_view v = versioned(view, sc_view_init, offsetof(sc_view, pixel_ratio), "sc_view_init");
     if (v.width < 1 || v.width > kLargest || v.height < 1 || v.height > kLargest)
         refuse(SC_BAD_INPUT, "width and height must be 1 to 20000 px");
     requireFinite(v.centre, "the centre");
     if (!(v.pixels_per_metre >= 0.0 && v.pixels_per_metre < 1e9 && std::isfinite(v.alpha)))
         refuse(SC_BAD_INPUT, "pixels_per_metre and alpha must be finite, pixels_per_metre not negative");
+    if (!(v.pixel_ratio >= 0.1 && v.pixel_ratio <= 10.0))
+        refuse(SC_BAD_INPUT, "pixel_ratio must be 0.1 to 10");
+    requireFinite(v.clock, "the clock");
+    return v;
+}
+
+std::string svg(World& w, const sc_view& v) {
     std::vector<supercircle::step::BodyOutline> outlines;
     w.attachment->everything(outlines);
     const Plane plane = planeOf(w, v, outlines);
@@ -145,6 +156,53 @@ std::string svg(World& w, const sc_view& v) {
     return canvas.finish();
 }
 
+void makeList(World& w, const sc_view& v) {
+    std::vector<supercircle::step::BodyOutline> outlines;
+    w.attachment->everything(outlines);
+    const Plane plane = planeOf(w, v, outlines);
+    picture::View view;
+    view.width = plane.width;
+    view.height = plane.height;
+    view.centre = {plane.centre.x, plane.centre.y};
+    view.pixelsPerMetre = plane.scale;
+    view.pixelRatio = v.pixel_ratio;
+    view.reducedMotion = v.reduced_motion != 0;
+    const auto has = [&](int layer) { return (v.layers & layer) != 0; };
+    picture::Content content;
+    if (has(SC_LAYER_BODIES))
+        content.bodies = live::bodiesOf(*w.attachment, outlines);
+    if (has(SC_LAYER_SHELLS))
+        content.shells = live::shellsOf(w.shells, v.alpha, std::max(0.15 / plane.scale, 1e-9));
+    if (!has(SC_LAYER_STRAIN))
+        for (picture::Shell& s : content.shells)
+            s.energy.assign(s.energy.size(), 0.0);
+    live::Layers marks;
+    marks.contacts = has(SC_LAYER_CONTACTS);
+    marks.forces = has(SC_LAYER_FORCES);
+    marks.holds = has(SC_LAYER_HOLDS);
+    live::addMarks(w.shells, marks, content);
+    const auto snaps = w.snaps.at(v.clock > 0.0 ? v.clock : w.shells.time()); // read in any case: they grow old
+    if (has(SC_LAYER_SNAPS))
+        content.snaps = snaps;
+    w.picture.clear();
+    picture::addGround(w.picture, view);
+    picture::addWorld(w.picture, view, content);
+}
+
+/// A part of the last list.
+template <class T>
+const T* part(sc_world w, int32_t* count, const char* what, const T* (*of)(const picture::DrawList&, std::size_t&)) {
+    return valueIn<const T*>(w, nullptr, [&](World& x) {
+        int32_t& n = given(count, what);
+        if (x.picture.operations().empty())
+            refuse(SC_REFUSED, "there is no picture yet: call sc_picture_make");
+        std::size_t size = 0;
+        const T* const data = of(x.picture, size);
+        n = static_cast<int32_t>(size);
+        return data;
+    });
+}
+
 } // namespace
 
 void sc_view_init(sc_view* view) {
@@ -154,11 +212,37 @@ void sc_view_init(sc_view* view) {
     view->size = sizeof *view;
     view->width = 800;
     view->height = 600;
-    view->layers =
-        SC_LAYER_BODIES | SC_LAYER_SHELLS | SC_LAYER_STRAIN | SC_LAYER_CONTACTS | SC_LAYER_FORCES | SC_LAYER_HOLDS;
+    view->layers = SC_LAYER_BODIES | SC_LAYER_SHELLS | SC_LAYER_STRAIN | SC_LAYER_CONTACTS | SC_LAYER_FORCES |
+                   SC_LAYER_HOLDS | SC_LAYER_SNAPS;
     view->alpha = 1.0;
+    view->pixel_ratio = 1.0;
 }
 
 const char* sc_picture_svg(sc_world w, const sc_view* view) {
-    return textIn(w, [&](World& x) { return svg(x, versioned(view, sc_view_init, sizeof(sc_view), "sc_view_init")); });
+    return textIn(w, [&](World& x) { return svg(x, checked(view)); });
+}
+
+sc_status sc_picture_make(sc_world w, const sc_view* view) {
+    return use(w, [&](World& x) { makeList(x, checked(view)); });
+}
+
+const int32_t* sc_picture_operations(sc_world w, int32_t* count) {
+    return part<int32_t>(w, count, "the count", [](const picture::DrawList& list, std::size_t& n) {
+        n = list.operations().size();
+        return list.operations().data();
+    });
+}
+
+const float* sc_picture_numbers(sc_world w, int32_t* count) {
+    return part<float>(w, count, "the count", [](const picture::DrawList& list, std::size_t& n) {
+        n = list.numbers().size();
+        return list.numbers().data();
+    });
+}
+
+const char* sc_picture_texts(sc_world w, int32_t* bytes) {
+    return part<char>(w, bytes, "the number of bytes", [](const picture::DrawList& list, std::size_t& n) {
+        n = list.texts().size();
+        return list.texts().c_str();
+    });
 }

@@ -7,6 +7,7 @@
 #include "bridge/c/tables.h"
 #include "plugin/api/include/supercircle/scene.hpp"
 #include "plugin/api/include/supercircle/shells.hpp"
+#include "plugin/graphics/live/live_picture.h"
 
 #include <box2d/box2d.h>
 #include <deque>
@@ -56,6 +57,8 @@ struct World {
     std::string report = "{}";        ///< of the last frame, JSON
     std::deque<Snapshot> saved;       ///< the last ones, to know them again
     double lastStep = 0.0;            ///< of the bodies, s
+    live::SnapWatch snaps;            ///< that a picture still shows
+    picture::DrawList picture;        ///< the last one
 
     std::uint64_t id = 0;
     std::mutex busy;

@@ -15,7 +15,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE / "src/supercircle"
 SCALARS = {"double": "c_double", "int32_t": "c_int32", "uint32_t": "c_uint32", "uint64_t": "c_uint64", "sc_status": "c_int32"}
 # Arrays of numbers come from NumPy, by address.
-ADDRESSES = {"double", "sc_point", "uint8_t", "void", "sc_shell", "sc_body"}
+ADDRESSES = {"double", "float", "sc_point", "uint8_t", "void", "sc_shell", "sc_body"}
 # Structs that users get as dataclasses, and the members of them that are yes or no.
 RECORDS = {"sc_frame": "Frame", "sc_energy": "Energy", "sc_sleep": "Sleep", "sc_recovery": "Recovery", "sc_shell_state": "ShellState",
            "sc_section": "Section", "sc_filter": "Filter", "sc_target": "Target", "sc_reaction": "Reaction",

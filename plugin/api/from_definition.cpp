@@ -26,7 +26,7 @@ Status checkNumbers(const ShellDef& d) {
     if (!limits::damping(d.damping_ratio))
         return Status::failure(limits::kBadDamping);
     if (d.length == 0.0 && !(positive(d.phi_bar) && d.phi_bar <= 1.0 && positive(d.radius)))
-        return Status::failure("without a length, radius must be positive and phi_bar lie in (0, 1]");
+        return Status::failure("without a length, radius must be positive and the opening angle over 2 pi in (0, 1]");
     if (std::isnan(d.radius) || d.radius == 0.0)
         return Status::failure("radius must not be zero");
     if (!positive(shellLength(d)))

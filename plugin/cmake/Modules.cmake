@@ -53,11 +53,15 @@ function(sc_program_sources target)
   endif()
 endfunction()
 
-# sc_module(NAME FOLDER [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER. LINKS are visible to whoever
-# links it, PRIVATE libraries are not.
+# sc_module(NAME FOLDER [FLAT] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER, with FLAT of those in the folder
+# itself. LINKS are visible to whoever links it, PRIVATE libraries are not.
 function(sc_module name folder)
-  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE" ${ARGN})
-  sc_glob(sources ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  cmake_parse_arguments(ARG "FLAT" "" "LINKS;PRIVATE" ${ARGN})
+  if(ARG_FLAT)
+    sc_glob(sources FLAT ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  else()
+    sc_glob(sources ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h ${PROJECT_SOURCE_DIR}/${folder}/*.hpp)
   add_library(${name} STATIC ${sources})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})

@@ -35,6 +35,8 @@ public:
     [[nodiscard]] Pixels pixels() const;
     /// To be called after drawing into pixels() directly.
     void markDirty() const;
+    /// For drawing that Canvas has no call for.
+    [[nodiscard]] cairo_t* context() const { return context_; }
 
 private:
     void apply(const Paint& paint);

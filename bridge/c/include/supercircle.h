@@ -98,7 +98,8 @@ enum {
     SC_LAYER_STRAIN = 4,
     SC_LAYER_CONTACTS = 8,
     SC_LAYER_FORCES = 16,
-    SC_LAYER_HOLDS = 32
+    SC_LAYER_HOLDS = 32,
+    SC_LAYER_SNAPS = 64
 };
 
 /* ---- structs */
@@ -304,6 +305,10 @@ typedef struct sc_view {
     sc_point centre;         ///< m
     double pixels_per_metre; ///< 0: everything fits
     double alpha;            ///< shells between the start (0) and the end (1) of the last frame
+    double pixel_ratio;      ///< of line widths, marks and texts to those of an ordinary screen, 1
+    double clock;            ///< of the viewer, by which flashes fade, s; 0: simulated time
+    int32_t reduced_motion;  ///< 1: no flashes
+    int32_t reserved;
 } sc_view;
 
 /* ---- library */
@@ -314,6 +319,8 @@ SC_API int32_t sc_api_version(void);
 SC_API const char* sc_version(void);
 /// Why this thread's last call was refused: one sentence, or one line a problem. Empty if it was not.
 SC_API const char* sc_error(void);
+/// Its status; says more than the NaN, 0 or null of a refused call.
+SC_API sc_status sc_error_status(void);
 /// Memory for languages without their own; null if there is none.
 SC_API void* sc_alloc(int32_t bytes);
 /// Frees memory of sc_alloc; null is allowed.
@@ -583,10 +590,19 @@ SC_API double sc_scene_force(sc_scene s);
 /// Ends the scene; its bodies and shells stay.
 SC_API sc_status sc_scene_destroy(sc_scene s);
 
-/* ---- picture */
+/* ---- picture: one draw list for pages, windows and files (docs/reference/picture.md) */
 
 /// 800 x 600 px, everything fits, all layers.
 SC_API void sc_view_init(sc_view* view);
+/// Makes the draw list of the world. The three calls below give its parts, which stay good until the world's next
+/// sc_picture_make.
+SC_API sc_status sc_picture_make(sc_world w, const sc_view* view);
+/// Two an operation: its code and how many numbers it has. `count` is set to the number of all.
+SC_API const int32_t* sc_picture_operations(sc_world w, int32_t* count);
+/// The numbers of all operations, one after the other.
+SC_API const float* sc_picture_numbers(sc_world w, int32_t* count);
+/// The texts of all text operations, each ended by a zero; `bytes` is set to the number with the zeros.
+SC_API const char* sc_picture_texts(sc_world w, int32_t* bytes);
 /// The world as an SVG element.
 SC_API const char* sc_picture_svg(sc_world w, const sc_view* view);
 

@@ -10,6 +10,7 @@
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/pages/diagnosis/diagnose_page.h"
+#include "plugin/pages/diagnosis/ensemble_file.h"
 #include "plugin/pages/diagnosis/stored_fits_json.h"
 #include "plugin/pages/replay/replay_page.h"
 #include "plugin/recording/experiment/load.h"
@@ -158,6 +159,29 @@ diagnosis::Diagnosis diagnoseAll(const Request& r, const experiment::Experiment&
     return found;
 }
 
+/// Answers a request whose file compares ensembles; nothing for experiments.
+std::optional<Json> ensemblesAnswer(const Request& r) {
+    const std::string file = r.text("file");
+    if (file.empty())
+        return std::nullopt;
+    std::vector<scene::Problem> problems;
+    const auto request = cli::readEnsembles(file, problems);
+    if (!request)
+        return std::nullopt;
+    if (scene::anyError(problems))
+        refuse(SC_BAD_INPUT, scene::errorText(problems));
+    const auto seed = static_cast<std::uint64_t>(r.integer("seed", 1, 0, std::int64_t{1} << 53));
+    const diagnosis::EnsembleDiagnosis d =
+        diagnosis::diagnoseEnsembles(request->quantities, request->recorded, request->nominal, request->effects, seed);
+    if (!d.failure.empty())
+        refuse(SC_BAD_INPUT, file + ": " + d.failure);
+    Json notes = Json::array();
+    for (const scene::Problem& p : problems)
+        notes.push_back(p.toString());
+    return Json{
+        {"status", "done"}, {"message", ""}, {"notes", notes}, {"diagnosis", Json::parse(cli::ensembleJson(d, seed))}};
+}
+
 void requireDiagnosable(const Request& r, const experiment::Experiment& e) {
     for (const experiment::Run& run : e.runs)
         if (run.readings.time.size() < 20)
@@ -276,6 +300,8 @@ const char* sc_lab_replay(const char* request, sc_lab_progress progress, void* c
 const char* sc_lab_diagnose(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
         const Request r(request, {"file", "jobs", "seed", "without", "time_limit_min", "next_experiment", "cache"});
+        if (const auto ensembles = ensemblesAnswer(r))
+            return watched(progress, context, [&](Watch&) { return *ensembles; });
         Json notes;
         const experiment::Experiment e = experimentOf(r, notes);
         requireDiagnosable(r, e);

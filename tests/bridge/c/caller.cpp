@@ -87,6 +87,9 @@ void Caller::check(const char* name, std::int64_t result, bool isCount) {
     }
     ++refused;
     const std::int64_t status = result < 0 ? -result : result;
+    if (sc_error_status() == SC_OK || (isCount && status != 0 && sc_error_status() != status))
+        violation = std::string(name) + " says " + std::to_string(result) + ", sc_error_status() " +
+                    std::to_string(sc_error_status());
     if (isCount && (status > SC_WRONG_VERSION || status == SC_BUSY || status == SC_NO_MEMORY))
         violation = std::string(name) + " says " + std::to_string(result) + ": " + error;
     if (isCount && status == SC_FAILED && std::strstr(name, "_step") == nullptr)

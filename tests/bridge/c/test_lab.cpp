@@ -6,8 +6,12 @@
 #include "plugin/scene/loader/loader.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <unistd.h>
 
 using Json = nlohmann::json;
 
@@ -53,6 +57,30 @@ TEST_CASE("a run asked for in JSON has the numbers of the laboratory", "[c][lab]
     const std::vector<double>* force = result.recording.series.find("force_N");
     REQUIRE(force != nullptr);
     CHECK(answer["series"]["force_N"].get<std::vector<double>>() == *force); // to the last bit, through the text
+}
+
+TEST_CASE("ensembles of stacks are diagnosed", "[c][lab]") {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::temp_directory_path() / ("sc_ensembles_" + std::to_string(::getpid()));
+    fs::create_directories(folder);
+    const auto table = [&](const char* name, double shift) {
+        std::ofstream out(folder / name);
+        out << "height\n";
+        for (int k = 0; k < 12; ++k)
+            out << shift + 0.1 * std::sin(7.0 * k + shift) << "\n";
+    };
+    table("recorded.csv", 9.0);
+    table("nominal.csv", 8.0);
+    table("sticky.csv", 9.0);
+    const std::string file = (folder / "stacks.json").string();
+    std::ofstream(file) << R"({"schema": "stack-ensembles/1", "recorded": "recorded.csv", "nominal": "nominal.csv",
+        "effects": [{"label": "adhesion", "file": "sticky.csv"}], "quantities": ["height"]})";
+    const Json answer = ask(sc_lab_diagnose, {{"file", file}});
+    CHECK(answer["diagnosis"]["verdict"] == "identified"); // ten standard deviations, and the same ones again
+    CHECK(answer["diagnosis"]["effects"][0]["label"] == "adhesion");
+    fs::remove(folder / "sticky.csv");
+    CHECK(refusal(sc_lab_diagnose, Json{{"file", file}}.dump().c_str()).find("sticky.csv") != std::string::npos);
+    fs::remove_all(folder);
 }
 
 TEST_CASE("a sweep, a check, an import and a replay answer in JSON", "[c][lab]") {

@@ -121,6 +121,16 @@ TEST_CASE("a hundred worlds step on two threads, each as it would alone", "[c]")
         REQUIRE(h == alone);
 }
 
+TEST_CASE("the status of a call that returns a number or a text is told", "[c]") {
+    CHECK(std::isnan(sc_world_time({12345})));
+    CHECK(sc_error_status() == SC_STALE);
+    CHECK(sc_error_status() == SC_STALE); // asking changes nothing
+    CHECK(sc_picture_svg(makeWorld(), nullptr) == nullptr);
+    CHECK(sc_error_status() == SC_BAD_INPUT);
+    CHECK(sc_effects() != nullptr);
+    CHECK(sc_error_status() == SC_OK);
+}
+
 TEST_CASE("a second thread in a world is told that it is busy", "[c]") {
     const sc_world w = makeWorld();
     makeShell(w, 0.0, 0.05);

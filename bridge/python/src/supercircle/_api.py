@@ -50,6 +50,7 @@ SC_LAYER_STRAIN = 4
 SC_LAYER_CONTACTS = 8
 SC_LAYER_FORCES = 16
 SC_LAYER_HOLDS = 32
+SC_LAYER_SNAPS = 64
 
 
 class sc_world(Structure):
@@ -336,7 +337,11 @@ class sc_view(Structure):
     centre: sc_point
     pixels_per_metre: float
     alpha: float
-    _fields_ = [("size", c_int32), ("width", c_int32), ("height", c_int32), ("layers", c_int32), ("centre", sc_point), ("pixels_per_metre", c_double), ("alpha", c_double)]
+    pixel_ratio: float
+    clock: float
+    reduced_motion: int
+    reserved: int
+    _fields_ = [("size", c_int32), ("width", c_int32), ("height", c_int32), ("layers", c_int32), ("centre", sc_point), ("pixels_per_metre", c_double), ("alpha", c_double), ("pixel_ratio", c_double), ("clock", c_double), ("reduced_motion", c_int32), ("reserved", c_int32)]
 
 
 class STATUS(c_int32):
@@ -351,6 +356,7 @@ CALLS: Prototypes = {
     "sc_api_version": (c_int32, ()),
     "sc_version": (c_char_p, ()),
     "sc_error": (c_char_p, ()),
+    "sc_error_status": (STATUS, ()),
     "sc_alloc": (c_void_p, (c_int32, )),
     "sc_free": (None, (c_void_p, )),
     "sc_layout": (c_char_p, ()),
@@ -483,6 +489,10 @@ CALLS: Prototypes = {
     "sc_scene_force": (c_double, (sc_scene, )),
     "sc_scene_destroy": (STATUS, (sc_scene, )),
     "sc_view_init": (None, (POINTER(sc_view), )),
+    "sc_picture_make": (STATUS, (sc_world, POINTER(sc_view), )),
+    "sc_picture_operations": (c_void_p, (sc_world, c_void_p, )),
+    "sc_picture_numbers": (c_void_p, (sc_world, c_void_p, )),
+    "sc_picture_texts": (c_char_p, (sc_world, c_void_p, )),
     "sc_picture_svg": (c_char_p, (sc_world, POINTER(sc_view), )),
 }
 LAB_CALLS: Prototypes = {
@@ -526,5 +536,5 @@ LAYOUT: dict[str, tuple[int, dict[str, int]]] = {
     "sc_event": (176, {"kind": 0, "reason": 4, "time": 8, "a": 16, "b": 24, "body": 32, "zone": 40, "hold": 48, "joint": 56, "arc_a": 64, "arc_b": 72, "point": 80, "normal": 96, "force": 112, "approach_speed": 128, "normal_impulse": 136, "friction_impulse": 144, "peak_force": 152, "energy_released": 160, "kinetic_peak": 168}),
     "sc_event_settings": (24, {"impulse_threshold": 0, "snap_energy": 8, "snap_time": 16}),
     "sc_body_state": (72, {"centre": 0, "angle": 16, "velocity": 24, "spin": 40, "mass": 48, "inertia": 56, "type": 64, "awake": 68}),
-    "sc_view": (48, {"size": 0, "width": 4, "height": 8, "layers": 12, "centre": 16, "pixels_per_metre": 32, "alpha": 40}),
+    "sc_view": (72, {"size": 0, "width": 4, "height": 8, "layers": 12, "centre": 16, "pixels_per_metre": 32, "alpha": 40, "pixel_ratio": 48, "clock": 56, "reduced_motion": 64, "reserved": 68}),
 }

@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any
 
 from . import _api
-from .errors import Error, LibraryError, VersionError, error_of
+from .errors import LibraryError, VersionError, error_of
 
 VARIABLE = "SUPERCIRCLE_LIBRARY"
 PACKAGE = pathlib.Path(__file__).resolve().parent
@@ -90,12 +90,12 @@ def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str,
         if math.isnan(result) or result == 0:
             text = sentence()
             if text:
-                raise Error(text)
+                raise error_of(getattr(library, status)(), text)
         return result
 
     def check_text(result: bytes | None, _call: Any, _arguments: Any) -> str:
         if result is None:
-            raise error_of(getattr(library, status)(), sentence()) if status else Error(sentence())
+            raise error_of(getattr(library, status)(), sentence())
         return result.decode()
 
     # Before anything else: the calls below may be those of another version.
@@ -125,7 +125,7 @@ def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str,
 def core() -> ctypes.CDLL:
     """libsupercircle_c; LibraryError, VersionError."""
     library = _open("supercircle_c")
-    _bind(library, _api.CALLS, "sc_error", "", "sc_api_version")
+    _bind(library, _api.CALLS, "sc_error", "sc_error_status", "sc_api_version")
     return library
 
 

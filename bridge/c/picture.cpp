@@ -181,7 +181,7 @@ void makeList(World& w, const sc_view& v) {
     marks.forces = has(SC_LAYER_FORCES);
     marks.holds = has(SC_LAYER_HOLDS);
     live::addMarks(w.shells, marks, content);
-    const auto snaps = w.snaps.at(v.clock > 0.0 ? v.clock : w.shells.time()); // read in any case: they grow old
+    const auto snaps = w.snaps.at(w.shells, v.clock); // read in any case: they grow old
     if (has(SC_LAYER_SNAPS))
         content.snaps = snaps;
     w.picture.clear();

@@ -87,6 +87,7 @@ void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     done(scene != nullptr ? scene->post_step() : w.shells.post_step(), SC_FAILED);
     watchZones(w);
     w.snaps.frame(w.shells);
+    w.sound.frame(w.shells);
     if (!report.failure.empty())
         refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
 }
@@ -110,6 +111,7 @@ void postStep(World& w) {
     done(w.shells.post_step(), SC_FAILED);
     watchZones(w);
     w.snaps.frame(w.shells);
+    w.sound.frame(w.shells);
 }
 
 } // namespace supercircle::c

@@ -8,6 +8,7 @@
 #include "plugin/api/include/supercircle/scene.hpp"
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "plugin/graphics/live/live_picture.h"
+#include "plugin/graphics/live/live_sound.h"
 
 #include <box2d/box2d.h>
 #include <deque>
@@ -59,6 +60,7 @@ struct World {
     double lastStep = 0.0;            ///< of the bodies, s
     live::SnapWatch snaps;            ///< that a picture still shows
     picture::DrawList picture;        ///< the last one
+    live::SoundWatch sound;
 
     std::uint64_t id = 0;
     std::mutex busy;

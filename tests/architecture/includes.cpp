@@ -56,6 +56,7 @@ const std::vector<Rule>& rules() {
          {"nlohmann/"}},
         // Draw list and samples from plain data; `live` reads them from a running world.
         {"plugin/graphics/picture/", {"plugin/graphics/", "supercircle/support/"}, {}, {}},
+        {"plugin/graphics/sound/", {"supercircle/support/"}, {}, {}},
         {"plugin/graphics/live/",
          {"plugin/graphics/picture/", "plugin/graphics/sound/", "plugin/graphics/", "plugin/api/include/",
           "supercircle/"},

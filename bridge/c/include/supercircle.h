@@ -606,4 +606,14 @@ SC_API const char* sc_picture_texts(sc_world w, int32_t* bytes);
 /// The world as an SVG element.
 SC_API const char* sc_picture_svg(sc_world w, const sc_view* view);
 
+/* ---- sound: snaps, hits and slides as samples, mono, 48000 a second, between -1 and 1 */
+
+/// Makes the samples that follow the last ones: `seconds` (0 to 10) of sound, in which is heard what the steps since
+/// the last call did. The first call switches the sound of the world on.
+SC_API sc_status sc_sound_make(sc_world w, double seconds);
+/// They stay good until the world's next sc_sound_make. `count` is set to their number.
+SC_API const float* sc_sound_samples(sc_world w, int32_t* count);
+/// Samples as a WAV file (mono, 48000 a second, 32-bit floats).
+SC_API int32_t sc_sound_wav(const float* samples, int32_t count, uint8_t* out, int32_t capacity);
+
 #endif

@@ -129,7 +129,11 @@ void addMarks(const Shells& shells, const Layers& layers, picture::Content& cont
 void SnapWatch::frame(const Shells& shells) {
     for (const SnapEndEvent& snap : shells.events().snap_end)
         if (const auto middle = shells.section(snap.shell, 0.5))
-            marks_.add({middle->position.x, middle->position.y}, snap.energy_released);
+            marks_.add({middle->position.x, middle->position.y}, snap.energy_released, snap.time);
+}
+
+std::vector<picture::SnapMark> SnapWatch::at(const Shells& shells, double clock) {
+    return marks_.at(clock > 0.0 ? clock : shells.time(), shells.time());
 }
 
 } // namespace supercircle::live

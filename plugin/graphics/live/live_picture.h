@@ -32,8 +32,8 @@ class SnapWatch {
 public:
     /// After each frame.
     void frame(const Shells& shells);
-    /// Of a picture at `clock` (s); the clock of the viewer, or of the world.
-    [[nodiscard]] std::vector<picture::SnapMark> at(double clock) { return marks_.at(clock); }
+    /// Of a picture at `clock` (s) of the viewer; 0: of the world.
+    [[nodiscard]] std::vector<picture::SnapMark> at(const Shells& shells, double clock = 0.0);
 
 private:
     picture::SnapMarks marks_;

@@ -5,15 +5,16 @@
 
 namespace supercircle::picture {
 
-void SnapMarks::add(graphics::Point at, double joules) {
+void SnapMarks::add(graphics::Point at, double joules, double time) {
     if (!(std::isfinite(at.x) && std::isfinite(at.y) && std::isfinite(joules)))
         return;
     if (entries_.size() >= kMostMarks)
         entries_.erase(entries_.begin());
-    entries_.push_back({at, joules});
+    entries_.push_back({at, joules, time});
 }
 
-std::vector<SnapMark> SnapMarks::at(double clock) {
+std::vector<SnapMark> SnapMarks::at(double clock, double time) {
+    std::erase_if(entries_, [&](const Entry& e) { return e.fresh && !(std::abs(time - e.since) < kSnapLife); });
     if (clock < last_) {
         std::erase_if(entries_, [](const Entry& e) { return !e.fresh; });
         lastFlash_ = std::min(lastFlash_, clock); // no light for an interval after the jump

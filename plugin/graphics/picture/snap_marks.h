@@ -23,16 +23,17 @@ inline constexpr std::size_t kMostMarks = 12; ///< shown at a time: 24 hide the 
 
 class SnapMarks {
 public:
-    /// A shell has released energy (J) at a point (m); the next picture shows it first.
-    void add(graphics::Point at, double joules);
-    /// What a picture at `clock` (s) shows. The clock is the viewer's or the world's; one that runs backwards forgets
-    /// everything that is shown.
-    [[nodiscard]] std::vector<SnapMark> at(double clock);
+    /// A shell has released energy (J) at a point (m) at a time of the world (s). The next picture shows it first,
+    /// unless it comes too late.
+    void add(graphics::Point at, double joules, double time);
+    /// What a picture shows at `clock` and at the world's `time`, s. The clock is the viewer's, or the world's time
+    /// again; one that runs backwards forgets everything that is shown.
+    [[nodiscard]] std::vector<SnapMark> at(double clock, double time);
 
 private:
     struct Entry {
         graphics::Point at{};
-        double released = 0.0, since = 0.0;
+        double released = 0.0, since = 0.0; ///< since: time of the world while fresh, then of the clock
         bool fresh = true, flash = false;
     };
     std::vector<Entry> entries_;

@@ -3,6 +3,7 @@
 #include "bridge/c/include/supercircle.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <limits>
@@ -110,5 +111,46 @@ TEST_CASE("a view of the first version draws, and bad ones are refused with the 
     view.clock = std::numeric_limits<double>::infinity();
     CHECK(sc_picture_make(w, &view) == SC_BAD_INPUT);
     CHECK(listOf(w) == first);
+    CHECK(sc_world_destroy(w) == SC_OK);
+}
+
+TEST_CASE("the sound of a world at rest is silence, and a shell that falls is heard", "[c][sound]") {
+    sc_world w = makeWorld();
+    std::int32_t n = 0;
+    CHECK(sc_sound_samples(w, &n) == nullptr); // not yet on
+    CHECK(sc_sound_make(w, 11.0) == SC_BAD_INPUT);
+    CHECK(sc_sound_make(w, std::numeric_limits<double>::quiet_NaN()) == SC_BAD_INPUT);
+    REQUIRE(sc_sound_make(w, 0.0) == SC_OK);
+    REQUIRE(sc_sound_samples(w, &n) != nullptr);
+    CHECK(n == 0);
+    REQUIRE(sc_world_add(w, R"({"schema": "supercircle-scene/1", "body": [{"name": "floor", "type": 0,
+        "position": {"x": 0, "y": 0}, "fixture": [{"polygon": {"vertices": {"x": [-1, 1, 1, -1],
+        "y": [-0.1, -0.1, 0, 0]}}}]}]})",
+                         -1) == SC_OK);
+    REQUIRE(sc_world_set_gravity(w, {0.0, -9.81}) == SC_OK);
+    makeShell(w, 0.0, 0.06);
+    std::vector<float> all;
+    std::size_t first = 0;
+    for (int i = 0; i < 60; ++i) {
+        REQUIRE(sc_world_step(w, 1.0 / 60.0, nullptr) == SC_OK);
+        REQUIRE(sc_sound_make(w, 1.0 / 60.0) == SC_OK);
+        const float* samples = sc_sound_samples(w, &n);
+        REQUIRE(n == 800);
+        for (int k = 0; k < n; ++k) {
+            CHECK(std::abs(samples[k]) < 1.0F);
+            if (first == 0 && samples[k] != 0.0F)
+                first = all.size();
+            all.push_back(samples[k]);
+        }
+    }
+    // Its lowest point falls from 0.0215 m or more: not before 0.06 s, and heard.
+    CHECK(first > 2880);
+    CHECK(first < all.size());
+    const std::int32_t bytes = sc_sound_wav(all.data(), static_cast<std::int32_t>(all.size()), nullptr, 0);
+    CHECK(bytes == 58 + 4 * static_cast<std::int32_t>(all.size()));
+    std::vector<std::uint8_t> file(static_cast<std::size_t>(bytes));
+    CHECK(sc_sound_wav(all.data(), static_cast<std::int32_t>(all.size()), file.data(), bytes) == bytes);
+    CHECK(std::memcmp(file.data() + 58, all.data(), 4 * all.size()) == 0);
+    CHECK(sc_sound_wav(nullptr, 3, nullptr, 0) == -SC_BAD_INPUT);
     CHECK(sc_world_destroy(w) == SC_OK);
 }

@@ -494,6 +494,9 @@ CALLS: Prototypes = {
     "sc_picture_numbers": (c_void_p, (sc_world, c_void_p, )),
     "sc_picture_texts": (c_char_p, (sc_world, c_void_p, )),
     "sc_picture_svg": (c_char_p, (sc_world, POINTER(sc_view), )),
+    "sc_sound_make": (STATUS, (sc_world, c_double, )),
+    "sc_sound_samples": (c_void_p, (sc_world, c_void_p, )),
+    "sc_sound_wav": (c_int32, (c_void_p, c_int32, c_void_p, c_int32, )),
 }
 LAB_CALLS: Prototypes = {
     "sc_lab_api_version": (c_int32, ()),

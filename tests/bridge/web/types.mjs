@@ -2,22 +2,16 @@
 // FOLDER, in the version of package-lock.json.
 
 import { spawnSync } from "node:child_process";
-import { copyFileSync, existsSync, mkdirSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import { copyFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { install } from "./installed.mjs";
 import { folder } from "./package.mjs";
 
 const here = (name) => new URL(name, import.meta.url).pathname;
 const work = process.argv[2];
-mkdirSync(work, { recursive: true });
-for (const file of ["package.json", "package-lock.json", ".npmrc", "usage.ts"]) copyFileSync(here(file), join(work, file));
+install(work);
+copyFileSync(here("usage.ts"), join(work, "usage.ts"));
 const compiler = join(work, "node_modules/typescript/bin/tsc");
-if (!existsSync(compiler)) {
-  const npm = spawnSync("npm", ["ci", "--no-audit", "--no-fund"], { cwd: work, encoding: "utf8" });
-  if (npm.status !== 0) {
-    console.log(`skipped: npm cannot install TypeScript: ${npm.error?.message ?? npm.stderr.trim().split("\n")[0]}`);
-    process.exit(77);
-  }
-}
 rmSync(join(work, "node_modules/supercircle"), { recursive: true, force: true });
 symlinkSync(folder, join(work, "node_modules/supercircle"));
 const compilerOptions = { strict: true, noEmit: true, target: "es2022", module: "nodenext", moduleResolution: "nodenext", lib: ["es2022", "dom"], types: [], skipLibCheck: false };

@@ -1,0 +1,236 @@
+// The page in Chromium, as its visitors use it: mouse, fingers, keyboard alone, links, wrong texts.
+//
+//     node page.mjs PAGE PACKAGES [PICTURES]
+//
+// PACKAGES: a folder where npm's packages are or will be installed. PICTURES: a folder for screenshots. Exit code 77:
+// no npm or no browser. The environment variable PARTS names the parts to run, such as PARTS=links,keyboard.
+
+import { execFileSync } from "node:child_process";
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { createRequire } from "node:module";
+import { pathToFileURL } from "node:url";
+import { chromium as command } from "../bridge/web/browser.mjs";
+import { install } from "../bridge/web/installed.mjs";
+
+const [file, packages, pictures] = process.argv.slice(2);
+install(packages);
+const here = createRequire(path.join(path.resolve(packages), "package.json"));
+const { chromium } = here("playwright-core");
+const axe = fs.readFileSync(here.resolve("axe-core/axe.min.js"), "utf8");
+const url = pathToFileURL(path.resolve(file)).href;
+if (command() === null) {
+  console.log("skipped: there is no Chromium");
+  process.exit(77);
+}
+const executablePath = execFileSync("sh", ["-c", `command -v ${command()}`], { encoding: "utf8" }).trim();
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const wide = { viewport: { width: 1280, height: 720 } }, narrow = { viewport: { width: 400, height: 800 }, hasTouch: true, isMobile: true };
+
+async function open(settings, hash = "") {
+  const context = await browser.newContext(settings), page = await context.newPage();
+  page.problems = [];
+  page.on("console", (m) => ["error", "warning"].includes(m.type()) && page.problems.push(m.text()));
+  page.on("pageerror", (e) => page.problems.push(e.message));
+  page.on("request", (r) => /^(file|data|blob):/.test(r.url()) || page.problems.push(`asks the network: ${r.url()}`));
+  await page.goto(url + hash);
+  await page.waitForFunction(() => globalThis.play?.state.frame?.time > 0, null, { timeout: 30000 });
+  return page;
+}
+async function close(page) {
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
+}
+const show = async (page, name) => pictures && page.screenshot({ path: path.join(pictures, `${name}.png`) });
+
+async function selfPlay() {
+  const page = await open(wide);
+  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: 40000 });
+  await show(page, "wide_snap");
+  await page.waitForFunction(() => document.getElementById("hint").textContent.startsWith("Your turn"), null, { timeout: 60000 });
+  assert.equal(await page.evaluate(() => play.goals.snaps), 1); // the shell snaps once on its way down
+  assert.equal(await page.evaluate(() => play.goals.done.size), 0); // the visitor has done nothing yet
+  await close(page);
+}
+
+/** Drags the dot to an opening angle and a friction, presses for a whole stroke, and returns the type that the page shows. */
+async function typeAt(page, opening, friction) {
+  const box = await page.locator("#pad").boundingBox();
+  const at = await page.evaluate(([o, f]) => play.pad.place(o, f), [opening, friction]);
+  await page.mouse.move(box.x + 40, box.y + 20);
+  await page.mouse.down();
+  await page.mouse.move(box.x + at[0], box.y + at[1], { steps: 3 });
+  await page.mouse.up();
+  await page.waitForFunction(([o]) => Math.abs(play.state.numbers.phi_bar - o) < 0.004 && play.state.frame.time < 1, [opening], { timeout: 20000 });
+  await page.click("#press"); // a tap is a whole stroke
+  await page.waitForFunction(() => play.state.frame.travel > 0.97 * play.state.scene.most(play.state.numbers), null, { timeout: 60000 });
+  return page.evaluate(() => document.getElementById("type").dataset.type);
+}
+
+async function phaseDiagram() {
+  const page = await open(wide, "#s=snap&phi_bar=0.8&mu=0.3&speed=1");
+  for (const opening of [0.8, 0.85, 0.9]) {
+    const boundary = await page.evaluate((o) => play.scenes.snap.boundary(o), opening);
+    assert.equal(await typeAt(page, opening, 0.8 * boundary), "I", `below the boundary at ${opening}`);
+    assert.equal(await typeAt(page, opening, 1.2 * boundary), "II", `above the boundary at ${opening}`);
+  }
+  assert.ok(await page.evaluate(() => play.goals.done.has("stick")));
+  await close(page);
+}
+
+async function everyScene() {
+  const page = await open(wide);
+  for (const name of await page.evaluate(() => Object.keys(play.scenes))) {
+    await page.click(`#pictures button[data-name="${name}"]`);
+    await page.waitForFunction((n) => play.state.name === n && play.state.frame?.time > 0, name, { timeout: 20000 });
+    const answer = await page.evaluate(() => play.ask({ kind: "forward", steps: 600 }));
+    assert.equal(answer.quarantined, 0, name);
+    assert.ok(answer.finite && answer.time > 5, name);
+    await page.waitForTimeout(300);
+    await show(page, `wide_${name}`);
+  }
+  await close(page);
+}
+
+async function wrongText() {
+  const page = await open(wide);
+  await page.click("#tab-json");
+  await page.fill("#text", (await page.inputValue("#text")).replace('"thickness":', '"thicknes":'));
+  const problem = page.locator("#problems li button").first();
+  await problem.waitFor();
+  const told = await problem.textContent();
+  const line = (await page.inputValue("#text")).split("\n").findIndex((l) => l.includes('"thicknes"')) + 1;
+  assert.match(told, new RegExp(`:${line}:\\d+: .*thicknes`));
+  const before = await page.evaluate(() => play.state.frame.time);
+  await page.click("#run");
+  await page.waitForFunction((t) => play.state.frame.time > t, before); // what ran goes on
+  await problem.click();
+  const chosen = await page.evaluate(() => { const a = document.getElementById("text"); return a.value.slice(a.selectionStart, a.selectionEnd); });
+  assert.equal(chosen, '"thicknes"');
+  await show(page, "wide_problem");
+  await page.locator("#problems button.mend").first().click();
+  await page.waitForFunction(() => document.getElementById("problems").children.length === 0);
+  assert.ok((await page.inputValue("#text")).includes('"thickness":'));
+  await close(page);
+}
+
+const hashOf = (page) => page.evaluate(() => play.ask({ kind: "hash", steps: 90 }).then((a) => a.hash));
+
+async function links() {
+  for (const own of [false, true]) {
+    const page = await open(wide, "#s=ramp_and_pins&mu=0.42");
+    if (own) {
+      await page.click("#tab-json");
+      await page.fill("#text", (await page.inputValue("#text")).replace('"gravity": { "x": 0', '"gravity": { "x": 0.5'));
+      await page.click("#run");
+      await page.waitForFunction(() => play.state.name === null);
+    }
+    await page.click("#share");
+    const link = await page.inputValue("#link");
+    assert.ok(link.length < 8200 && link.includes(own ? "#z=" : "#s=ramp_and_pins"), link.slice(0, 200));
+    const other = await open(wide, link.slice(link.indexOf("#")));
+    assert.equal(await hashOf(other), await hashOf(page));
+    await close(other);
+    await close(page);
+  }
+}
+
+async function narrowPage() {
+  const page = await open(narrow);
+  for (const tab of ["feel", "scenes", "json"]) {
+    await page.tap(`#tab-${tab}`);
+    await page.waitForTimeout(200);
+    await show(page, `narrow_${tab}`);
+    const faults = await page.evaluate(() => {
+      const found = [], seen = [];
+      if (document.documentElement.scrollWidth > innerWidth)
+        found.push(`scrolls sideways: ${document.documentElement.scrollWidth} px`);
+      for (const e of document.querySelectorAll("button, input, a, textarea, canvas[tabindex]")) {
+        const b = e.getBoundingClientRect();
+        if (b.width === 0 || e.closest("dialog:not([open])") || e.closest("label, p") && e.tagName === "A")
+          continue;
+        if (b.width < 43.5 || b.height < 43.5)
+          found.push(`${e.id || e.textContent} is ${b.width.toFixed(0)} x ${b.height.toFixed(0)} px`);
+        for (const [other, o] of seen)
+          if (b.left < o.right - 1 && o.left < b.right - 1 && b.top < o.bottom - 1 && o.top < b.bottom - 1)
+            found.push(`${e.id || e.textContent} overlaps ${other.id || other.textContent}`);
+        seen.push([e, b]);
+      }
+      return found;
+    });
+    assert.deepEqual(faults, [], tab);
+    await accessible(page, `narrow ${tab}`);
+  }
+  // A finger grabs: the press follows it.
+  await page.tap("#tab-feel");
+  const touch = await page.context().newCDPSession(page);
+  await page.evaluate(() => play.load({ name: "snap" }));
+  await page.waitForFunction(() => play.state.frame.mode === "hand");
+  const at = await page.evaluate(() => { const b = document.getElementById("world").getBoundingClientRect(), h = play.handle(); return [b.left + h[0], b.top + h[1]]; });
+  const points = (y) => [{ x: at[0], y: at[1] + y }];
+  await touch.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: points(0) });
+  for (let y = 10; y <= 60; y += 10)
+    await touch.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: points(y) });
+  await page.waitForFunction(() => play.state.frame.travel > 0.3, null, { timeout: 20000 });
+  await touch.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await close(page);
+}
+
+async function accessible(page, what) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => axe.run());
+  assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html).join(" | ")}`), [], what);
+}
+
+async function keyboard() {
+  const page = await open(wide, "#s=snap&speed=1");
+  await accessible(page, "wide");
+  const focused = () => page.evaluate(() => document.activeElement.id);
+  const reach = async (id) => {
+    for (let i = 0; i < 60 && (await focused()) !== id; ++i)
+      await page.keyboard.press("Tab");
+    assert.equal(await focused(), id);
+  };
+  await reach("pad");
+  const before = await page.evaluate(() => play.state.parameters.phi_bar ?? play.state.numbers.phi_bar);
+  await page.keyboard.press("ArrowRight");
+  await page.waitForFunction((b) => play.state.numbers.phi_bar > b && play.state.frame.time < 1, before);
+  await page.keyboard.down(" ");
+  await page.waitForFunction(() => play.state.frame.travel > 0.2);
+  await page.keyboard.up(" ");
+  await reach("share");
+  await page.keyboard.press("Enter");
+  assert.ok((await page.inputValue("#link")).includes("phi_bar="));
+  await page.keyboard.press("Escape");
+  await close(page);
+}
+
+async function reducedMotion() {
+  const page = await open({ ...wide, reducedMotion: "reduce" }, "#s=snap&phi_bar=0.85&mu=0.42&speed=1");
+  await page.evaluate(() => {
+    globalThis.glows = 0;
+    const count = (drawn) => { for (let i = 0; i < drawn.length; i += 2) globalThis.glows += drawn[i] === 4; };
+    play.onFrame = (frame) => count(frame.list.operations);
+  });
+  await page.click("#press");
+  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: 60000 });
+  await page.waitForTimeout(500);
+  assert.equal(await page.evaluate(() => globalThis.glows), 0);
+  await close(page);
+}
+
+const parts = { selfPlay, phaseDiagram, everyScene, wrongText, links, narrowPage, keyboard, reducedMotion };
+const wanted = process.env.PARTS ? process.env.PARTS.split(",") : Object.keys(parts);
+let failed = 0;
+for (const name of wanted) {
+  try {
+    await parts[name]();
+    console.log(`${name}: passed`);
+  } catch (error) {
+    ++failed;
+    console.log(`${name}: ${error.stack}`);
+  }
+}
+await browser.close();
+process.exit(failed ? 1 : 0);

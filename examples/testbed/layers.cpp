@@ -18,35 +18,24 @@ namespace look = frame::look;
 
 namespace {
 
-constexpr int kPieces = 60; ///< of a coloured shell
-
 void drawColoured(const TestbedScene& scene, const View& view, const Layers& layers) {
     const Shells& shells = scene.world().shells();
+    std::vector<picture::Shell> all = scene.world().shellPictures(1.0, 0.15 / view.camera().scale());
+    const std::vector<ShellHandle> handles = shells.shells();
     double most = 1e-30; // one scale for all shells
-    struct Piece {
-        std::vector<Point> line;
-        double value;
-    };
-    std::vector<Piece> pieces;
-    for (const ShellHandle shell : shells.shells()) {
-        auto before = shells.section(shell, 0.0);
-        for (int i = 1; before && i <= kPieces; ++i) {
-            const auto now = shells.section(shell, static_cast<double>(i) / kPieces);
-            const auto middle = shells.section(shell, (i - 0.5) / kPieces);
-            if (!now || !middle)
-                break;
-            const double change = middle->curvature - middle->natural_curvature;
-            const double value = layers.energy ? middle->energy_density : change;
-            pieces.push_back({{before->position, now->position}, value});
-            most = std::max(most, std::abs(value));
-            before = now;
+    std::vector<std::vector<double>> change(all.size());
+    for (std::size_t i = 0; layers.curvature && i < all.size(); ++i)
+        for (std::size_t k = 0; k < all[i].line.size(); ++k) {
+            const auto section =
+                shells.section(handles[i], static_cast<double>(k) / static_cast<double>(all[i].line.size()));
+            change[i].push_back(section ? section->curvature - section->natural_curvature : 0.0);
+            most = std::max(most, std::abs(change[i].back()));
         }
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        for (const double c : change[i])
+            all[i].colours.push_back(graphics::signedColour(c / most));
     }
-    view.shells(scene.world(), 1.0, [](ShellHandle) { return look::strip; }); // the edge, in one line
-    for (const Piece& p : pieces)
-        view.canvas().line(
-            view.pixel(p.line.front()), view.pixel(p.line.back()),
-            {layers.energy ? graphics::energyColour(p.value / most) : graphics::signedColour(p.value / most), 4.0});
+    view.shells(all);
 }
 
 /// Contact forces of the last inner step: lines as long as the square root of the force, so that weak ones are visible.
@@ -127,7 +116,7 @@ void drawPlot(frame::Canvas& canvas, const graphics::Rect& area, const std::stri
               const std::vector<double>& xs, double xScale, const std::string& yUnit, const std::vector<Line>& lines) {
     using namespace graphics;
     canvas.rectangle(area, {.fill = look::strip, .stroke = Stroke{look::rule, 1.0}});
-    canvas.text({area.x + 14.0, area.y + 22.0}, title, {.size = 14.0, .bold = true});
+    canvas.text({area.x + 14.0, area.y + 22.0}, title, {.size = 14.0, .colour = look::ink, .bold = true});
     AxisRange x{0.0, 0.0}, y{0.0, 0.0};
     for (const double v : xs)
         x = {std::min(x.lo, v), std::max(x.hi, v)};
@@ -145,6 +134,9 @@ void drawPlot(frame::Canvas& canvas, const graphics::Rect& area, const std::stri
     style.x = {xLabel, xScale};
     style.y = {unit.text, unit.factor};
     style.xTicks = style.yTicks = 5;
+    style.ink = look::ink;
+    style.muted = look::muted;
+    style.grid = style.axis = look::rule;
     plot.drawFrame(canvas, style);
     double legend = area.right() - 14.0;
     for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
@@ -186,7 +178,7 @@ std::string Layers::set(const std::string& names) {
     return {};
 }
 
-void drawScene(const TestbedScene& scene, const View& view, const Layers& layers, double alpha) {
+void drawScene(TestbedScene& scene, const View& view, const Layers& layers, double alpha) {
     view.bodies(scene.world(), alpha);
     if (layers.curvature || layers.energy)
         drawColoured(scene, view, layers);
@@ -199,6 +191,7 @@ void drawScene(const TestbedScene& scene, const View& view, const Layers& layers
     if (layers.contacts || layers.slip)
         drawContacts(scene, view, layers);
     view.drag(scene.world());
+    view.snaps(scene.world());
 }
 
 void drawCurves(const TestbedScene& scene, frame::Canvas& canvas, const graphics::Rect& area) {

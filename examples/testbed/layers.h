@@ -9,7 +9,7 @@ namespace supercircle::testbed {
 /// The check boxes; names as in layers().
 struct Layers {
     bool curvature = false; ///< shells coloured by their change of curvature (blue: opened, red: closed)
-    bool energy = false;    ///< shells coloured by stored energy per length
+    bool energy = true;     ///< shells coloured by stored energy per length
     bool contacts = true;   ///< impulses of the contacts as lines
     bool slip = false;      ///< contacts: green sticks, red slips
     bool proxies = false;   ///< Box2D edges that stand for shells
@@ -19,7 +19,7 @@ struct Layers {
     [[nodiscard]] std::vector<std::pair<const char*, bool*>> all();
 };
 
-void drawScene(const TestbedScene& scene, const frame::View& view, const Layers& layers, double alpha);
+void drawScene(TestbedScene& scene, const frame::View& view, const Layers& layers, double alpha);
 
 /// Live curves at the right of the picture.
 void drawCurves(const TestbedScene& scene, frame::Canvas& canvas, const graphics::Rect& area);

@@ -38,9 +38,9 @@ void blend(const Target& t, int x, int y, const double rgba[4]) {
         reinterpret_cast<std::uint32_t*>(t.pixels.data + static_cast<std::ptrdiff_t>(y) * t.pixels.stride) + x;
     const double a = rgba[3] / 255.0;
     std::uint32_t out = 0;
-    for (int c = 0; c < 3; ++c) { // blue, green, red
-        const double old = static_cast<double>((*pixel >> (8 * c)) & 255U);
-        out |= static_cast<std::uint32_t>(std::lround(old + a * (rgba[2 - c] - old))) << (8 * c);
+    for (int c = 0; c < 4; ++c) { // blue, green, red, alpha
+        const double old = static_cast<double>((*pixel >> (8 * c)) & 255U), full = c < 3 ? rgba[2 - c] : 255.0;
+        out |= static_cast<std::uint32_t>(std::lround(old + a * (full - old))) << (8 * c);
     }
     *pixel = out;
 }
@@ -92,7 +92,7 @@ void triangle(const Target& t, ImDrawVert v[3], const ImVec4& clip) {
 }
 
 void style() {
-    ImGui::StyleColorsLight();
+    ImGui::StyleColorsDark();
     ImGuiStyle& s = ImGui::GetStyle();
     s.WindowRounding = s.FrameRounding = s.GrabRounding = 3.0F;
     s.AntiAliasedLines = s.AntiAliasedFill = s.AntiAliasedLinesUseTex = false;
@@ -104,19 +104,20 @@ void style() {
                            static_cast<float>((rgb >> 8) & 255U) / 255.0F, static_cast<float>(rgb & 255U) / 255.0F,
                            alpha};
     };
-    set(ImGuiCol_WindowBg, 0xffffff);
-    set(ImGuiCol_Text, 0x22272e);
-    set(ImGuiCol_Border, 0xd8d4ca);
-    set(ImGuiCol_FrameBg, 0xf1efe9);
-    set(ImGuiCol_FrameBgHovered, 0xe6ecf4);
-    set(ImGuiCol_FrameBgActive, 0xd5e2f1);
-    set(ImGuiCol_Button, 0xe6ecf4);
-    set(ImGuiCol_ButtonHovered, 0xd5e2f1);
-    set(ImGuiCol_ButtonActive, 0xb9d0ea);
-    set(ImGuiCol_SliderGrab, 0x2a6fb8);
-    set(ImGuiCol_SliderGrabActive, 0x1d5590);
-    set(ImGuiCol_CheckMark, 0x2a6fb8);
-    set(ImGuiCol_PlotHistogram, 0x2a6fb8);
+    set(ImGuiCol_WindowBg, 0x1d232d);
+    set(ImGuiCol_Text, 0xe9edf2);
+    set(ImGuiCol_Border, 0x3a4452);
+    set(ImGuiCol_FrameBg, 0x151a22);
+    set(ImGuiCol_FrameBgHovered, 0x2a3442);
+    set(ImGuiCol_FrameBgActive, 0x34445a);
+    set(ImGuiCol_Button, 0x2c3a4d);
+    set(ImGuiCol_ButtonHovered, 0x38506e);
+    set(ImGuiCol_ButtonActive, 0x456890);
+    set(ImGuiCol_SliderGrab, 0x6fb4ff);
+    set(ImGuiCol_SliderGrabActive, 0xa9d2ff);
+    set(ImGuiCol_CheckMark, 0x6fb4ff);
+    set(ImGuiCol_PlotHistogram, 0x6fb4ff);
+    set(ImGuiCol_PopupBg, 0x1d232d);
 }
 
 } // namespace
@@ -155,8 +156,11 @@ void PanelContext::skip() {
     ImGui::EndFrame();
 }
 
-void PanelContext::draw(const graphics::CairoCanvas& picture) {
+void PanelContext::end() {
     ImGui::Render();
+}
+
+void PanelContext::draw(const graphics::CairoCanvas& picture) {
     const ImDrawData* data = ImGui::GetDrawData();
     const Target target{picture.pixels(), glyphs_, glyphsWidth_, glyphsHeight_};
     if (target.pixels.data == nullptr)

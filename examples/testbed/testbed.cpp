@@ -4,6 +4,7 @@
 #include "examples/games/frame/window.h"
 #include "examples/testbed/layers.h"
 #include "examples/testbed/panel.h"
+#include "plugin/graphics/cairo_picture.h"
 
 #include <imgui.h>
 
@@ -44,9 +45,8 @@ public:
             record(arguments_.record);
         return {};
     }
-    /// One picture (drawn only if visible): panels and, unless paused, as many steps as the speed asks for.
-    void turn(Input& input, graphics::Point mouse, double wheel, graphics::CairoCanvas& canvas, bool visible,
-              double width, double height) {
+    /// One picture (made only if visible): panels and, unless paused, as many steps as the speed asks for.
+    void turn(Input& input, graphics::Point mouse, double wheel, bool visible, double width, double height) {
         camera_.resize(width - kRight, height, kLeft);
         panels_.begin(width, height, mouse, input.buttonHeld(), wheel);
         keys(input);
@@ -59,9 +59,15 @@ public:
             recorder_.motion(scene_.world());
         }
         if (visible || recorder_.running()) {
+            list_.clear();
+            picture::ListCanvas canvas(list_, width, height);
             draw(canvas, width, height);
-            panels_.draw(canvas);
-            recorder_.picture(canvas);
+            panels_.end();
+            if (recorder_.running()) {
+                graphics::CairoCanvas picture(width, height, 1.0);
+                paint(picture);
+                recorder_.picture(picture);
+            }
         } else {
             panels_.skip();
         }
@@ -71,6 +77,16 @@ public:
         }
         input.forget();
     }
+    /// The last visible picture.
+    [[nodiscard]] const picture::DrawList& list() const { return list_; }
+    /// The same with its panels.
+    void paint(graphics::CairoCanvas& canvas) {
+        graphics::draw(canvas, list_);
+        panels_.draw(canvas);
+    }
+    void paintPanels(graphics::CairoCanvas& canvas) { panels_.draw(canvas); }
+    /// The sound of the steps since the last call, `seconds` of it.
+    [[nodiscard]] std::span<const float> sound(double seconds) { return scene_.world().sound(seconds); }
     [[nodiscard]] frame::Camera& camera() { return camera_; }
     [[nodiscard]] TestbedScene& scene() { return scene_; }
     [[nodiscard]] bool wantsMouse() const { return panels_.wantsMouse(); }
@@ -89,12 +105,13 @@ private:
     void panel(double height);
     void sliders();
     void buttons();
-    void draw(frame::Canvas& canvas, double width, double height);
+    void draw(picture::ListCanvas& canvas, double width, double height);
     void record(const std::string& film) { message_ = recorder_.start(film, arguments_.width, arguments_.height); }
 
     Arguments arguments_;
     TestbedScene scene_;
     PanelContext panels_;
+    picture::DrawList list_;
     frame::Camera camera_;
     Layers layers_;
     Recorder recorder_;
@@ -210,7 +227,7 @@ void Testbed::panel(double height) {
     ImGui::End();
 }
 
-void Testbed::draw(frame::Canvas& canvas, double width, double height) {
+void Testbed::draw(picture::ListCanvas& canvas, double width, double height) {
     const frame::View view(canvas, camera_, width, height);
     view.background();
     canvas.pushClip({kLeft, look::top, width - kLeft - kRight, height - look::top - look::bottom});
@@ -240,15 +257,27 @@ bool interrupted(const Arguments& a) {
 
 int headless(Testbed& testbed, const Arguments& a, frame::Script& script) {
     Input input;
+    std::vector<float> samples;
+    if (!a.wav.empty())
+        (void)testbed.sound(0.0); // from the first step on
     bool last = false;
     for (int i = 0; !last && !testbed.quit() && testbed.scene().failure().empty(); ++i) {
         last = i + 1 >= a.frames || interrupted(a);
         script.play(static_cast<std::uint64_t>(i), input);
-        graphics::CairoCanvas canvas(a.width, a.height, 1.0);
-        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, canvas, last, a.width, a.height);
-        if (!last || a.png.empty())
+        testbed.turn(input, testbed.camera().pixel(input.mouse()), 0.0, last, a.width, a.height);
+        if (!a.wav.empty()) {
+            const auto more = testbed.sound(frame::kStep);
+            samples.insert(samples.end(), more.begin(), more.end());
+        }
+        if (!last)
             continue;
-        if (const std::string why = frame::writePng(a.png, canvas); !why.empty()) {
+        std::string why = a.wav.empty() ? "" : frame::writeWav(a.wav, samples);
+        if (why.empty() && !a.png.empty()) {
+            graphics::CairoCanvas canvas(a.width, a.height, 1.0);
+            testbed.paint(canvas);
+            why = frame::writePng(a.png, canvas);
+        }
+        if (!why.empty()) {
             std::fprintf(stderr, "%s\n", why.c_str());
             return 4;
         }
@@ -279,9 +308,10 @@ int windowed(Testbed& testbed, const Arguments& a, frame::Script& script) {
         if (pointer.wheel != 0.0 && !testbed.wantsMouse())
             testbed.camera().zoom(pointer.wheel > 0.0 ? 1.15 : 1.0 / 1.15, pointer.at);
         testbed.camera().pan(pointer.dragX, pointer.dragY);
-        graphics::CairoCanvas canvas(window.width(), window.height(), 1.0);
-        testbed.turn(input, pointer.at, pointer.wheel, canvas, true, window.width(), window.height());
-        window.show(canvas);
+        testbed.turn(input, pointer.at, pointer.wheel, true, window.width(), window.height());
+        graphics::CairoCanvas panels(window.width(), window.height(), 1.0, graphics::CairoCanvas::Ground::Transparent);
+        testbed.paintPanels(panels);
+        window.show(testbed.list(), &panels);
     }
     std::printf("%s: %.4f s%s\n", testbed.scene().world().scene().name.c_str(), testbed.scene().world().shells().time(),
                 testbed.paused() ? ", paused" : "");

@@ -16,6 +16,7 @@ struct Arguments {
     bool headless = false; ///< no window: play, write the picture, end
     int frames = 300;      ///< steps of 1/60 s, headless
     std::string png;       ///< file for the last picture, headless
+    std::string wav;       ///< file for the sound, headless
     std::string script;    ///< timed inputs (docs/how-to/levels.md)
     std::string show;      ///< what is drawn at the start: names of the check boxes, with commas
     std::string record;    ///< begins with a recording into this file (.mp4) and the trajectory beside it (.csv)

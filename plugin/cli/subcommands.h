@@ -134,7 +134,7 @@ struct ViewArguments {
     bool game = false;                   ///< game quality instead of laboratory quality
     bool headless = false;
     int frames = 300; ///< steps of 1/60 s, headless
-    std::string png, script, show, record;
+    std::string png, wav, script, show, record;
 };
 
 /// Simulates a scene and writes the results. Returns the exit code, as all subcommands do.

@@ -19,12 +19,16 @@ cairo_status_t appendBytes(void* out, const unsigned char* data, unsigned int le
 
 } // namespace
 
-CairoCanvas::CairoCanvas(double width, double height, double scale) {
-    surface_ = cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(width * scale)),
+CairoCanvas::CairoCanvas(double width, double height, double scale, Ground ground) {
+    const bool white = ground == Ground::White;
+    surface_ = cairo_image_surface_create(white ? CAIRO_FORMAT_RGB24 : CAIRO_FORMAT_ARGB32,
+                                          static_cast<int>(std::lround(width * scale)),
                                           static_cast<int>(std::lround(height * scale)));
     context_ = cairo_create(surface_);
-    cairo_set_source_rgb(context_, 1.0, 1.0, 1.0);
-    cairo_paint(context_);
+    if (white) {
+        cairo_set_source_rgb(context_, 1.0, 1.0, 1.0);
+        cairo_paint(context_);
+    }
     cairo_scale(context_, scale, scale);
     cairo_set_line_cap(context_, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(context_, CAIRO_LINE_JOIN_ROUND);

@@ -13,8 +13,9 @@ namespace supercircle::graphics {
 /// Draws into pixels on white.
 class CairoCanvas final : public Canvas {
 public:
+    enum class Ground { White, Transparent };
     /// Logical size in pixels; the picture has `scale` times as many pixels in either direction.
-    CairoCanvas(double width, double height, double scale);
+    CairoCanvas(double width, double height, double scale, Ground ground = Ground::White);
     ~CairoCanvas() override;
 
     void path(const std::vector<Point>& points, bool closed, const Paint& paint) override;
@@ -26,8 +27,8 @@ public:
     /// The picture as the content of a PNG file, or Cairo's error.
     [[nodiscard]] Result<std::string> png();
 
-    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xXXRRGGBB in native order. Valid
-    /// until the next drawing call; null if Cairo failed.
+    /// The finished picture in memory: rows of `stride` bytes, four bytes a pixel, 0xAARRGGBB in native order, with
+    /// colours multiplied by A; on white A is anything. Valid until the next drawing call; null if Cairo failed.
     struct Pixels {
         unsigned char* data = nullptr;
         int width = 0, height = 0, stride = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cairo.h>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace supercircle::graphics {
@@ -113,7 +114,7 @@ private:
     }
     void text(std::string_view what) {
         const Anchor anchor = n_[5] == 0.0F ? Anchor::Start : n_[5] == 1.0F ? Anchor::Middle : Anchor::End;
-        canvas_.text({at(0), at(1)}, what, {at(2), picture::unpacked(n_[3], n_[4]), anchor, n_[6] != 0.0F});
+        canvas_.text({at(0), at(1)}, what, {at(2), picture::unpacked(n_[3], n_[4]), anchor, n_[6] != 0.0F, at(7)});
     }
 
     CairoCanvas& canvas_;
@@ -128,6 +129,46 @@ void draw(CairoCanvas& canvas, const picture::DrawList& list) {
     Drawing drawing(canvas);
     list.each([&](const Item& item) { drawing(item); });
     cairo_restore(canvas.context());
+}
+
+void drawOver(CairoCanvas& canvas, const CairoCanvas& over) {
+    cairo_t* const c = canvas.context();
+    cairo_save(c);
+    cairo_set_source_surface(c, cairo_get_target(over.context()), 0.0, 0.0);
+    cairo_paint(c);
+    cairo_restore(c);
+}
+
+TextCoverage textCoverage(std::string_view text, double size, bool bold) {
+    TextCoverage out;
+    const std::string terminated(text);
+    CairoCanvas probe(1.0, 1.0, 1.0);
+    const auto setFont = [&](cairo_t* c) {
+        cairo_select_font_face(c, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                               bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+        cairo_set_font_size(c, size);
+    };
+    setFont(probe.context());
+    cairo_text_extents_t extents;
+    cairo_text_extents(probe.context(), terminated.c_str(), &extents);
+    out.advance = extents.x_advance;
+    out.left = std::floor(extents.x_bearing) - 1.0;
+    out.top = std::floor(extents.y_bearing) - 1.0;
+    const double right = extents.x_bearing + extents.width, bottom = extents.y_bearing + extents.height;
+    out.width = static_cast<int>(std::clamp(std::ceil(right) + 1.0 - out.left, 1.0, 8192.0));
+    out.height = static_cast<int>(std::clamp(std::ceil(bottom) + 1.0 - out.top, 1.0, 4096.0));
+    CairoCanvas canvas(out.width, out.height, 1.0, CairoCanvas::Ground::Transparent);
+    canvas.text({-out.left, -out.top}, text, {size, Colour::hex(0xffffff), Anchor::Start, bold});
+    const CairoCanvas::Pixels p = canvas.pixels();
+    if (p.data == nullptr)
+        return {};
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) {
+            std::uint32_t pixel = 0;
+            std::memcpy(&pixel, p.data + static_cast<std::ptrdiff_t>(y) * p.stride + 4 * x, 4);
+            out.alpha.push_back(static_cast<unsigned char>(pixel >> 24));
+        }
+    return out;
 }
 
 } // namespace supercircle::graphics

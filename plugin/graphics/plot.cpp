@@ -15,8 +15,8 @@ AxisRange scaled(const AxisRange& range, double factor) {
     return {range.lo * factor, range.hi * factor};
 }
 
-constexpr TextStyle tickStyle(Anchor anchor) {
-    return {theme::tickSize, theme::muted, anchor};
+TextStyle tickStyle(const PlotStyle& style, Anchor anchor) {
+    return {theme::tickSize, style.muted, anchor};
 }
 
 } // namespace
@@ -26,13 +26,13 @@ void Plot::drawGrid(Canvas& canvas, const PlotStyle& style) const {
     const Ticks ty = niceTicks(scaled(y, style.y.factor), style.yTicks);
     for (const double value : tx.values) {
         const double px = at(value / style.x.factor, y.lo).x;
-        canvas.line({px, area.y}, {px, area.bottom()}, {theme::grid, 1.0});
-        canvas.text({px, area.bottom() + 18.0}, tx.label(value), tickStyle(Anchor::Middle));
+        canvas.line({px, area.y}, {px, area.bottom()}, {style.grid, 1.0});
+        canvas.text({px, area.bottom() + 18.0}, tx.label(value), tickStyle(style, Anchor::Middle));
     }
     for (const double value : ty.values) {
         const double py = at(x.lo, value / style.y.factor).y;
-        canvas.line({area.x, py}, {area.right(), py}, {theme::grid, 1.0});
-        canvas.text({area.x - 8.0, py + 4.0}, ty.label(value), tickStyle(Anchor::End));
+        canvas.line({area.x, py}, {area.right(), py}, {style.grid, 1.0});
+        canvas.text({area.x - 8.0, py + 4.0}, ty.label(value), tickStyle(style, Anchor::End));
     }
 }
 
@@ -41,21 +41,21 @@ void Plot::drawSecondAxes(Canvas& canvas, const PlotStyle& style) const {
         const Ticks ticks = niceTicks(scaled(x, style.top->factor), style.xTicks);
         for (const double value : ticks.values) {
             const double px = at(value / style.top->factor, y.lo).x;
-            canvas.line({px, area.y}, {px, area.y - 4.0}, {theme::axis, 1.0});
-            canvas.text({px, area.y - 9.0}, ticks.label(value), tickStyle(Anchor::Middle));
+            canvas.line({px, area.y}, {px, area.y - 4.0}, {style.axis, 1.0});
+            canvas.text({px, area.y - 9.0}, ticks.label(value), tickStyle(style, Anchor::Middle));
         }
         canvas.text({area.x + 0.5 * area.width, area.y - 28.0}, style.top->label,
-                    {theme::labelSize, theme::muted, Anchor::Middle});
+                    {theme::labelSize, style.muted, Anchor::Middle});
     }
     if (style.right) {
         const Ticks ticks = niceTicks(scaled(y, style.right->factor), style.yTicks);
         for (const double value : ticks.values) {
             const double py = at(x.lo, value / style.right->factor).y;
-            canvas.line({area.right(), py}, {area.right() + 4.0, py}, {theme::axis, 1.0});
-            canvas.text({area.right() + 9.0, py + 4.0}, ticks.label(value), tickStyle(Anchor::Start));
+            canvas.line({area.right(), py}, {area.right() + 4.0, py}, {style.axis, 1.0});
+            canvas.text({area.right() + 9.0, py + 4.0}, ticks.label(value), tickStyle(style, Anchor::Start));
         }
         canvas.text({area.right() + 54.0, area.y + 0.5 * area.height}, style.right->label,
-                    {theme::labelSize, theme::muted, Anchor::Middle, false, 90.0});
+                    {theme::labelSize, style.muted, Anchor::Middle, false, 90.0});
     }
 }
 
@@ -63,14 +63,14 @@ void Plot::drawFrame(Canvas& canvas, const PlotStyle& style) const {
     drawGrid(canvas, style);
     if (y.lo < 0.0 && y.hi > 0.0) {
         const double zero = at(x.lo, 0.0).y;
-        canvas.line({area.x, zero}, {area.right(), zero}, {theme::axis, 1.2});
+        canvas.line({area.x, zero}, {area.right(), zero}, {style.axis, 1.2});
     }
-    canvas.rectangle(area, {.stroke = Stroke{theme::axis, 1.0}});
+    canvas.rectangle(area, {.stroke = Stroke{style.axis, 1.0}});
     if (!style.x.label.empty())
         canvas.text({area.x + 0.5 * area.width, area.bottom() + 40.0}, style.x.label,
-                    {theme::labelSize, theme::ink, Anchor::Middle});
+                    {theme::labelSize, style.ink, Anchor::Middle});
     canvas.text({area.x - 52.0, area.y + 0.5 * area.height}, style.y.label,
-                {theme::labelSize, theme::ink, Anchor::Middle, false, -90.0});
+                {theme::labelSize, style.ink, Anchor::Middle, false, -90.0});
     drawSecondAxes(canvas, style);
 }
 

@@ -7,6 +7,7 @@
 
 #include "plugin/graphics/axis.h"
 #include "plugin/graphics/canvas.h"
+#include "plugin/graphics/theme.h"
 
 namespace supercircle::graphics {
 
@@ -20,6 +21,7 @@ struct PlotStyle {
     AxisStyle x, y;
     std::optional<AxisStyle> top, right; ///< second scales
     int xTicks = 8, yTicks = 7;
+    Colour ink = theme::ink, muted = theme::muted, grid = theme::grid, axis = theme::axis;
 };
 
 /// A diagram whose inner area is `area`; ranges are in data units.

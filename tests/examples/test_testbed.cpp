@@ -39,6 +39,7 @@ TEST_CASE("the panels' rasteriser covers every pixel of a rectangle once", "[tes
     panels.begin(64, 64, {-1, -1}, false, 0.0);
     // Two half-transparent triangles: a pixel of their common edge drawn twice or never would show.
     ImGui::GetBackgroundDrawList()->AddRectFilled({10.0F, 20.0F}, {43.0F, 53.0F}, IM_COL32(255, 0, 0, 128));
+    panels.end();
     panels.draw(canvas);
     const graphics::CairoCanvas::Pixels p = canvas.pixels();
     int inside = 0, wrong = 0;
@@ -66,6 +67,7 @@ TEST_CASE("a click reaches a check box of a panel", "[testbed]") {
         ImGui::SetCursorPos({15.0F, 15.0F});
         ImGui::Checkbox("on", &on);
         ImGui::End();
+        panels.end();
         panels.draw(canvas);
         if (frame > 1)
             CHECK(panels.wantsMouse());

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# window.sh SUPERCIRCLE CLIP SCENES: opens real windows on a display of its own (Xvfb) and uses them like a person: a
-# click on a button, a drag of a clip, Escape. Exit code 77 (skipped) where Xvfb or xdotool are missing.
+# window.sh SUPERCIRCLE CLIP SCENES TESTS: opens real windows on a display of its own (Xvfb) and uses them like a person:
+# a click on a button, a drag of a clip, Escape. Then TESTS compares what a window shows with what a PNG has. Exit code
+# 77 (skipped) where Xvfb or xdotool are missing.
 set -u
-supercircle=$1 clip=$2 scenes=$3
+supercircle=$1 clip=$2 scenes=$3 tests=$4
 for tool in Xvfb xdotool; do
     command -v "$tool" >/dev/null || { echo "skipped: there is no $tool"; exit 77; }
 done
@@ -101,4 +102,5 @@ for signal in INT TERM; do
     interrupt $signal
     grep -q "^clip 1: playing" "$work/said.txt" || fail "a game ended by SIG$signal does not print its result"
 done
+"$tests" "[window]" >"$work/said.txt" 2>&1 || fail "windows and PNG files show something else"
 echo "windows open, react to clicks and drags, and close"

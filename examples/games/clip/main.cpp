@@ -88,7 +88,7 @@ public:
             canvas.rectangle({18.0, y, 330.0, 28.0},
                              {.fill = look::strip, .stroke = graphics::Stroke{look::rule, 1.0}});
             canvas.rectangle({26.0, y + 7.0, 14.0, 14.0}, {.fill = Colour::hex(p.colour)});
-            canvas.text({50.0, y + 19.0}, p.name, {.size = 14.0, .bold = true});
+            canvas.text({50.0, y + 19.0}, p.name, {.size = 14.0, .colour = look::ink, .bold = true});
             canvas.text({336.0, y + 19.0},
                         number(360.0 * p.phi_bar, 0) + "\u00b0   mu " + number(p.mu, 2) + "   stiffness " +
                             number(p.stiffness, 1),

@@ -88,7 +88,7 @@ public:
         const double left = level.viewLower.x + 0.55 * (level.viewUpper.x - level.viewLower.x);
         for (std::size_t i = 0; i < level.heights.size(); ++i) {
             const double y = level.heights[i];
-            const Colour c = i < drop_ ? look::good : i == drop_ ? look::accent : look::rule;
+            const Colour c = i < drop_ ? look::good : i == drop_ ? look::accent : look::muted;
             view.line({left - 4.6, y}, {left + 2.6, y}, c, 1.5, true);
             view.label({left + 3.1, y}, number(y, 1) + " m", c, 14.0);
         }
@@ -207,7 +207,7 @@ private:
             const double a = 0.5 * M_PI + 2.0 * M_PI * part.phi_bar * (i / 32.0 - 0.5);
             line.push_back({x + part.radius * std::cos(a), y + part.radius * std::sin(a)});
         }
-        view.curve(line, Colour::hex(part.colour, 0.45), 0.0);
+        view.ghost(line, Colour::hex(part.colour, 0.45));
     }
 
     void palette(const View& view, const scene::Game& level) const {
@@ -219,7 +219,8 @@ private:
             c.rectangle({18.0, y, 300.0, 30.0},
                         {.fill = look::strip, .stroke = graphics::Stroke{edge, i == chosen_ ? 2.5 : 1.0}});
             c.rectangle({26.0, y + 8.0, 14.0, 14.0}, {.fill = Colour::hex(p.colour)});
-            c.text({50.0, y + 20.0}, std::to_string(i + 1) + "  " + p.name, {.size = 14.0, .bold = true});
+            c.text({50.0, y + 20.0}, std::to_string(i + 1) + "  " + p.name,
+                   {.size = 14.0, .colour = look::ink, .bold = true});
             c.text({306.0, y + 20.0},
                    number(360.0 * p.phi_bar, 0) + "\u00b0  mu " + number(p.mu, 2) + "  costs " + number(p.cost, 0),
                    {.size = 12.0, .colour = look::muted, .anchor = graphics::Anchor::End});

@@ -67,9 +67,9 @@ struct Program {
     std::function<std::unique_ptr<Game>()> make;
 };
 
-/// The program. Options: LEVEL (1 ... or a file), --headless, --frames N, --png FILE, --script FILE, --expect
-/// won|lost|playing. Exit codes: 0 done as expected; 1 ended otherwise; 2 bad input; 3 the simulation could not go on;
-/// 4 a picture could not be written; 130 interrupted (SIGINT, SIGTERM), after the picture and the result.
+/// The program. Options: LEVEL (1 ... or a file), --headless, --frames N, --png FILE, --wav FILE, --script FILE,
+/// --expect won|lost|playing. Exit codes: 0 done as expected; 1 ended otherwise; 2 bad input; 3 the simulation could
+/// not go on; 4 a picture could not be written; 130 interrupted (SIGINT, SIGTERM), after the picture and the result.
 int run(int argc, char** argv, const Program& program);
 
 } // namespace supercircle::frame

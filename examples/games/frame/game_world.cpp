@@ -56,6 +56,8 @@ struct GameWorld::Impl {
 
     std::map<const b2Body*, BodyPose> bodyBefore;
     std::map<std::uint32_t, Line> lineBefore; ///< by index of the handle
+    live::SnapWatch snaps;
+    live::SoundWatch sound;
 
     [[nodiscard]] Point metres(const b2Vec2& v) const {
         const double u = scene.rigid.lengthScale;
@@ -190,6 +192,8 @@ FrameReport GameWorld::step(double dt) {
         s.attachment->stepped(s.report.advanced);
     }
     s.player->post_step().or_fail();
+    s.snaps.frame(s.shells);
+    s.sound.frame(s.shells);
     const double spent = 1e3 * (cpuNow() - before);
     s.cost += spent;
     s.worst = std::max(s.worst, spent);
@@ -312,6 +316,55 @@ std::vector<BodyPose> GameWorld::bodies(double alpha) const {
     }
     std::reverse(out.begin(), out.end()); // in the order of creation
     return out;
+}
+
+std::vector<picture::Body> GameWorld::pieces(const BodyPose& pose) const {
+    std::vector<picture::Body> out;
+    const b2Transform x(b2Vec2(0.0F, 0.0F), b2Rot(static_cast<float>(pose.angle)));
+    const auto place = [&](const b2Vec2& local) {
+        const Point turned = impl_->metres(b2Mul(x, local));
+        return picture::Point{pose.x + turned.x, pose.y + turned.y};
+    };
+    const bool loose = pose.body->GetType() == b2_dynamicBody;
+    for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
+        if (f->IsSensor())
+            continue;
+        picture::Body piece;
+        piece.role = loose                                      ? picture::Role::Loose
+                     : pose.body->GetType() == b2_kinematicBody ? picture::Role::Driven
+                                                                : picture::Role::Still;
+        piece.id = id(*pose.body);
+        if (const auto* c = dynamic_cast<const b2CircleShape*>(f->GetShape())) {
+            piece.points = {place(c->m_p)};
+            piece.radius = static_cast<double>(c->m_radius) / units();
+            if (loose && pose.body->GetFixtureList()->GetNext() == nullptr)
+                piece.angle = pose.angle;
+        } else if (const auto* p = dynamic_cast<const b2PolygonShape*>(f->GetShape())) {
+            for (int i = 0; i < p->m_count; ++i)
+                piece.points.push_back(place(p->m_vertices[i]));
+        } else if (const auto* chain = dynamic_cast<const b2ChainShape*>(f->GetShape())) {
+            piece.solid = false;
+            for (int i = 0; i < chain->m_count; ++i)
+                piece.points.push_back(place(chain->m_vertices[i]));
+        } else if (const auto* e = dynamic_cast<const b2EdgeShape*>(f->GetShape())) {
+            piece.solid = false;
+            piece.points = {place(e->m_vertex1), place(e->m_vertex2)};
+        }
+        out.push_back(std::move(piece));
+    }
+    return out;
+}
+
+std::vector<picture::Shell> GameWorld::shellPictures(double alpha, double tolerance) const {
+    return live::shellsOf(impl_->shells, alpha, tolerance);
+}
+
+std::vector<picture::SnapMark> GameWorld::snaps() {
+    return impl_->snaps.at(impl_->shells);
+}
+
+std::span<const float> GameWorld::sound(double seconds) {
+    return impl_->sound.make(impl_->shells, seconds);
 }
 
 std::vector<Point> GameWorld::line(ShellHandle shell, double alpha) const {

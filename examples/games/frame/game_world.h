@@ -3,9 +3,12 @@
 
 #include "plugin/api/include/supercircle/scene.hpp"
 #include "plugin/api/include/supercircle/shells.hpp"
+#include "plugin/graphics/live/live_picture.h"
+#include "plugin/graphics/live/live_sound.h"
 #include "plugin/scene/loader/scene.h"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,6 +80,13 @@ public:
     /// For pictures: bodies and centre lines `alpha` of the way from the last step to this one (0 .. 1).
     [[nodiscard]] std::vector<BodyPose> bodies(double alpha) const;
     [[nodiscard]] std::vector<Point> line(ShellHandle shell, double alpha) const;
+    /// The fixtures of a body, sensors left out.
+    [[nodiscard]] std::vector<picture::Body> pieces(const BodyPose& pose) const;
+    /// All shells, in the order of Shells::shells().
+    [[nodiscard]] std::vector<picture::Shell> shellPictures(double alpha, double tolerance) const;
+    [[nodiscard]] std::vector<picture::SnapMark> snaps();
+    /// The sound of the steps since the last call, `seconds` of it.
+    [[nodiscard]] std::span<const float> sound(double seconds);
 
 private:
     GameWorld();

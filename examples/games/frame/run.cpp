@@ -2,7 +2,8 @@
 
 #include "examples/games/frame/session.h"
 #include "examples/games/frame/window.h"
-#include "plugin/graphics/cairo_canvas.h"
+#include "plugin/graphics/cairo_picture.h"
+#include "plugin/graphics/sound/wav.h"
 
 #include <CLI/CLI.hpp>
 
@@ -16,7 +17,7 @@ namespace supercircle::frame {
 namespace {
 
 struct Arguments {
-    std::string level = "1", png, script, expect;
+    std::string level = "1", png, wav, script, expect;
     bool headless = false, help = false, cost = false;
     int frames = 36000, width = 1280, height = 720;
 };
@@ -41,6 +42,7 @@ int parse(int argc, char** argv, const Program& program, Arguments& a) {
     app.add_flag("--headless", a.headless, "no window: play the script, write the picture, end");
     app.add_option("--frames", a.frames, "how many steps of 1/60 s at most, headless")->check(CLI::Range(0, 1000000));
     app.add_option("--png", a.png, "file for the last picture, headless");
+    app.add_option("--wav", a.wav, "file for the sound, headless");
     app.add_option("--script", a.script, "file of timed inputs (JSON)");
     app.add_option("--expect", a.expect, "end with 0 exactly if the game does so")
         ->check(CLI::IsMember({"won", "lost", "playing"}));
@@ -62,16 +64,32 @@ int playHeadless(Session& session, Script& script, const Arguments& a, const Pro
     Input input;
     int frames = 0;
     const auto over = [&] { return session.game().result() != GameResult::Playing || !session.failure().empty(); };
+    std::vector<float> samples;
+    const auto listen = [&] {
+        if (a.wav.empty())
+            return;
+        const auto more = session.sound(kStep);
+        samples.insert(samples.end(), more.begin(), more.end());
+    };
+    listen();
     for (; frames < a.frames && !over() && !session.quit() && !interrupted; ++frames) {
         script.play(static_cast<std::uint64_t>(frames), input);
         session.step(input);
+        listen();
     }
-    for (int i = 0; i < 20 && session.failure().empty() && session.game().result() != GameResult::Playing; ++i)
+    for (int i = 0; i < 20 && session.failure().empty() && session.game().result() != GameResult::Playing; ++i) {
         session.step(input); // so that the picture shows the result
+        listen();
+    }
+    if (const std::string why = a.wav.empty() ? "" : writeWav(a.wav, samples); !why.empty()) {
+        std::fprintf(stderr, "%s\n", why.c_str());
+        return 4;
+    }
     if (!a.png.empty()) {
-        graphics::CairoCanvas canvas(a.width, a.height, 1.0);
+        picture::DrawList list;
+        picture::ListCanvas canvas(list, a.width, a.height);
         session.draw(canvas, a.width, a.height);
-        if (const std::string why = writePng(a.png, canvas); !why.empty()) {
+        if (const std::string why = writePng(a.png, list, a.width, a.height); !why.empty()) {
             std::fprintf(stderr, "%s\n", why.c_str());
             return 4;
         }
@@ -109,6 +127,7 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
     Input input;
     std::uint64_t scripted = 0;
     double last = window.seconds();
+    picture::DrawList list;
     while (!session.quit() && !interrupted) {
         if (!window.poll(input, [&](graphics::Point p) { return session.camera().world(p); }))
             break;
@@ -124,9 +143,10 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
             session.advance(now - last, input);
         }
         last = now;
-        graphics::CairoCanvas canvas(window.width(), window.height(), 1.0);
+        list.clear();
+        picture::ListCanvas canvas(list, window.width(), window.height());
         session.draw(canvas, window.width(), window.height());
-        window.show(canvas);
+        window.show(list);
     }
     std::printf("%s %zu: %s, %d points, dragged %d times\n", program.name.c_str(), session.level() + 1,
                 text(session.game().result()), session.game().score(), session.world().dragCount());
@@ -135,14 +155,30 @@ int playWindow(Session& session, Script& script, const Arguments& a, const Progr
 
 } // namespace
 
-std::string writePng(const std::string& path, graphics::CairoCanvas& canvas) {
-    const auto png = canvas.png();
-    if (!png)
-        return png.error();
+namespace {
+
+std::string write(const std::string& path, const std::string& bytes) {
     std::ofstream out(path, std::ios::binary);
-    out.write(png->data(), static_cast<std::streamsize>(png->size()));
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     out.close();
     return out ? "" : path + ": cannot be written";
+}
+
+} // namespace
+
+std::string writePng(const std::string& path, graphics::CairoCanvas& canvas) {
+    const auto png = canvas.png();
+    return png ? write(path, *png) : png.error();
+}
+
+std::string writePng(const std::string& path, const picture::DrawList& list, int width, int height) {
+    graphics::CairoCanvas canvas(width, height, 1.0);
+    graphics::draw(canvas, list);
+    return writePng(path, canvas);
+}
+
+std::string writeWav(const std::string& path, const std::vector<float>& samples) {
+    return write(path, sound::wav(samples));
 }
 
 int run(int argc, char** argv, const Program& program) {

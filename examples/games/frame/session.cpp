@@ -82,12 +82,13 @@ void Session::advance(double seconds, Input& input) {
     alpha_ = paused_ ? 1.0 : due_ / kStep;
 }
 
-void Session::draw(Canvas& canvas, double width, double height) {
+void Session::draw(picture::ListCanvas& canvas, double width, double height) {
     camera_.resize(width, height);
     const View view(canvas, camera_, width, height);
     view.background();
     game_->draw(*world_, view, alpha_);
     view.drag(*world_);
+    view.snaps(*world_);
     std::string hint = paused_ ? "Paused. P: go on, . (dot): one step" : game_->hint(*world_);
     if (slow_)
         hint = "[slow motion] " + hint;

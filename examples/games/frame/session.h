@@ -15,7 +15,7 @@ public:
     void step(Input& input);
     /// Makes the steps that are due after some real time, s.
     void advance(double seconds, Input& input);
-    void draw(Canvas& canvas, double width, double height);
+    void draw(picture::ListCanvas& canvas, double width, double height);
 
     [[nodiscard]] Camera& camera() { return camera_; }
     [[nodiscard]] const GameWorld& world() const { return *world_; }
@@ -25,6 +25,8 @@ public:
     [[nodiscard]] bool paused() const { return paused_; }
     [[nodiscard]] std::size_t level() const { return index_; }
     void showHelp(bool on) { help_ = on; }
+    /// The sound of the steps since the last call, `seconds` of it.
+    [[nodiscard]] std::span<const float> sound(double seconds) { return world_->sound(seconds); }
 
 private:
     bool frameKeys(Input& input);

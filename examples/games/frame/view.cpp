@@ -4,27 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace supercircle::frame {
 
-using graphics::Paint;
 using graphics::Stroke;
-
-namespace {
-
-Colour darker(const Colour& c, double by) {
-    return {c.r * by, c.g * by, c.b * by, c.a};
-}
-
-Style usual(const b2Body& body) {
-    if (body.GetType() == b2_dynamicBody)
-        return {look::loose, look::looseEdge};
-    if (body.GetType() == b2_kinematicBody)
-        return {look::driven, look::drivenEdge};
-    return {};
-}
-
-} // namespace
 
 std::string number(double value, int digits) {
     char buffer[64];
@@ -70,61 +54,55 @@ void Camera::pan(double dx, double dy) {
     shift_ = {shift_.x - dx / scale(), shift_.y + dy / scale()};
 }
 
+View::View(picture::ListCanvas& canvas, const Camera& camera, double width, double height)
+    : canvas_(&canvas), camera_(&camera), width_(width), height_(height) {
+    const Point middle = camera.world({0.5 * width, 0.5 * height});
+    seen_.width = width;
+    seen_.height = height;
+    seen_.centre = {middle.x, middle.y};
+    seen_.pixelsPerMetre = camera.scale();
+}
+
 void View::background() const {
-    canvas_->rectangle({0, 0, width_, height_}, {.fill = look::sky});
+    picture::addGround(canvas_->list(), seen_);
 }
 
 void View::bodies(const GameWorld& world, double alpha, const std::function<Style(const b2Body&)>& style) const {
-    const double u = world.units();
+    std::vector<picture::Body> all;
     for (const BodyPose& pose : world.bodies(alpha)) {
         if (!pose.body->IsEnabled())
             continue;
-        const Style look = style ? style(*pose.body) : usual(*pose.body);
-        const Paint paint{.fill = look.fill, .stroke = Stroke{look.edge, 1.6}};
-        const b2Transform x(b2Vec2(0.0F, 0.0F), b2Rot(static_cast<float>(pose.angle)));
-        const auto place = [&](const b2Vec2& local) {
-            const b2Vec2 turned = b2Mul(x, local);
-            return pixel({pose.x + static_cast<double>(turned.x) / u, pose.y + static_cast<double>(turned.y) / u});
-        };
-        for (const b2Fixture* f = pose.body->GetFixtureList(); f != nullptr; f = f->GetNext()) {
-            std::vector<graphics::Point> points;
-            if (f->IsSensor())
-                continue;
-            if (const auto* c = dynamic_cast<const b2CircleShape*>(f->GetShape())) {
-                const double r = static_cast<double>(c->m_radius) / u * camera_->scale();
-                const graphics::Point centre = place(c->m_p);
-                canvas_->circle(centre, r, paint);
-                if (pose.body->GetType() == b2_dynamicBody && pose.body->GetFixtureList()->GetNext() == nullptr)
-                    canvas_->line(
-                        centre, {centre.x + 0.7 * r * std::cos(pose.angle), centre.y - 0.7 * r * std::sin(pose.angle)},
-                        {look.edge, 1.6});
-            } else if (const auto* p = dynamic_cast<const b2PolygonShape*>(f->GetShape())) {
-                for (int i = 0; i < p->m_count; ++i)
-                    points.push_back(place(p->m_vertices[i]));
-                canvas_->path(points, true, paint);
-            } else if (const auto* chain = dynamic_cast<const b2ChainShape*>(f->GetShape())) {
-                for (int i = 0; i < chain->m_count; ++i)
-                    points.push_back(place(chain->m_vertices[i]));
-                canvas_->path(points, false, {.stroke = Stroke{look.edge, 3.0}});
-            } else if (const auto* e = dynamic_cast<const b2EdgeShape*>(f->GetShape())) {
-                canvas_->line(place(e->m_vertex1), place(e->m_vertex2), {look.edge, 3.0});
-            }
+        const Style look = style ? style(*pose.body) : Style{};
+        for (picture::Body& piece : world.pieces(pose)) {
+            piece.fill = look.fill;
+            piece.edge = look.edge;
+            all.push_back(std::move(piece));
         }
     }
-}
-
-void View::curve(const std::vector<Point>& line, const Colour& colour, double thickness) const {
-    std::vector<graphics::Point> points;
-    for (const Point& p : line)
-        points.push_back(pixel(p));
-    const double w = std::max(4.0, thickness * camera_->scale());
-    canvas_->path(points, false, {.stroke = Stroke{darker(colour, 0.55), w + 2.0}});
-    canvas_->path(points, false, {.stroke = Stroke{colour, w}});
+    picture::addBodies(canvas_->list(), seen_, all);
 }
 
 void View::shells(const GameWorld& world, double alpha, const std::function<Colour(ShellHandle)>& colour) const {
-    for (const ShellHandle shell : world.shells().shells())
-        curve(world.line(shell, alpha), colour ? colour(shell) : Colour::hex(world.colour(shell)), 0.0);
+    std::vector<picture::Shell> all = world.shellPictures(alpha, 0.15 / camera_->scale());
+    const std::vector<ShellHandle> handles = world.shells().shells();
+    for (std::size_t i = 0; i < all.size() && i < handles.size(); ++i) {
+        all[i].tint = colour ? colour(handles[i]) : Colour::hex(world.colour(handles[i]));
+        all[i].thickness = std::max(all[i].thickness, thinnest());
+    }
+    shells(all);
+}
+
+void View::snaps(GameWorld& world) const {
+    picture::addSnaps(canvas_->list(), seen_, world.snaps());
+}
+
+void View::ghost(const std::vector<Point>& line, const Colour& colour) const {
+    picture::Shell shell;
+    for (const Point& p : line)
+        shell.line.push_back({p.x, p.y});
+    shell.colours.assign(line.size(), colour);
+    shell.thickness = thinnest();
+    picture::addShell(canvas_->list(), seen_, shell, colour.a);
 }
 
 void View::drag(const GameWorld& world) const {
@@ -136,7 +114,10 @@ void View::drag(const GameWorld& world) const {
 }
 
 void View::disc(Point centre, double radius, const Style& style) const {
-    canvas_->circle(pixel(centre), radius * camera_->scale(), {.fill = style.fill, .stroke = Stroke{style.edge, 1.6}});
+    picture::Body body{.points = {{centre.x, centre.y}}, .radius = radius, .role = picture::Role::Loose};
+    body.fill = style.fill;
+    body.edge = style.edge;
+    picture::addBodies(canvas_->list(), seen_, {body});
 }
 
 void View::line(Point a, Point b, const Colour& colour, double width, bool dashed) const {
@@ -146,7 +127,7 @@ void View::line(Point a, Point b, const Colour& colour, double width, bool dashe
 void View::area(Point lower, Point upper, const Colour& colour, const std::string& text) const {
     const graphics::Point a = pixel({lower.x, upper.y}), b = pixel({upper.x, lower.y});
     canvas_->rectangle({a.x, a.y, b.x - a.x, b.y - a.y},
-                       {.fill = colour.alpha(0.12), .stroke = Stroke{colour, 1.5, {6.0, 5.0}}});
+                       {.fill = colour.alpha(0.14), .stroke = Stroke{colour, 1.5, {6.0, 5.0}}});
     canvas_->text({a.x + 6.0, a.y + 17.0}, text, {.size = 13.0, .colour = colour, .bold = true});
 }
 

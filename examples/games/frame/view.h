@@ -1,11 +1,13 @@
 #pragma once
 // The picture of a level: camera, bodies, shells, the dragged point, title, status and hint. All games and the testbed
-// share it. It is drawn on report's canvas, so that a window and a PNG file show the same pixels.
+// share it. It becomes a draw list (docs/reference/picture.md), which windows and PNG files draw alike.
 
 #include "examples/games/frame/game_world.h"
-#include "plugin/graphics/canvas.h"
+#include "plugin/graphics/picture/list_canvas.h"
+#include "plugin/graphics/picture/world_picture.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,21 +17,20 @@ using graphics::Canvas;
 using graphics::Colour;
 
 namespace look {
-inline constexpr Colour sky = Colour::hex(0xf6f4ef);
-inline constexpr Colour strip = Colour::hex(0xffffff);
-inline constexpr Colour rule = Colour::hex(0xd8d4ca);
-inline constexpr Colour ink = Colour::hex(0x22272e);
-inline constexpr Colour muted = Colour::hex(0x68707a);
-inline constexpr Colour still = Colour::hex(0xd3d8de), stillEdge = Colour::hex(0x98a2ad);
-inline constexpr Colour driven = Colour::hex(0x9fb2c6), drivenEdge = Colour::hex(0x506a84);
-inline constexpr Colour loose = Colour::hex(0xf2cd8e), looseEdge = Colour::hex(0xa9742a);
-inline constexpr Colour good = Colour::hex(0x2f9e63), bad = Colour::hex(0xc8452d), accent = Colour::hex(0x2a6fb8);
+inline constexpr Colour strip = Colour::hex(0x1d232d);
+inline constexpr Colour rule = Colour::hex(0x3a4452);
+inline constexpr Colour ink = Colour::hex(0xe9edf2);
+inline constexpr Colour muted = Colour::hex(0x9aa5b3);
+inline constexpr Colour driven = Colour::hex(0x3b5170), drivenEdge = Colour::hex(0x9dbbe2);
+inline constexpr Colour loose = Colour::hex(0x5b4a33), looseEdge = Colour::hex(0xd0a868);
+inline constexpr Colour good = Colour::hex(0x62d394), bad = Colour::hex(0xff8068), accent = Colour::hex(0x6fb4ff);
 inline constexpr double top = 52.0;    ///< px, strip above
 inline constexpr double bottom = 34.0; ///< px, strip below
 } // namespace look
 
+/// Without a colour that of the body's role.
 struct Style {
-    Colour fill = look::still, edge = look::stillEdge;
+    std::optional<Colour> fill{}, edge{};
 };
 
 /// The visible box of the world, with the zoom and shift of the player.
@@ -57,11 +58,10 @@ private:
     double zoom_ = 1.0, width_ = 1280.0, height_ = 720.0, left_ = 0.0;
 };
 
-/// A canvas with a camera.
+/// A draw list with a camera.
 class View {
 public:
-    View(Canvas& canvas, const Camera& camera, double width, double height)
-        : canvas_(&canvas), camera_(&camera), width_(width), height_(height) {}
+    View(picture::ListCanvas& canvas, const Camera& camera, double width, double height);
     [[nodiscard]] Canvas& canvas() const { return *canvas_; }
     [[nodiscard]] const Camera& camera() const { return *camera_; }
     [[nodiscard]] double width() const { return width_; }
@@ -70,20 +70,27 @@ public:
 
     void background() const;
     void bodies(const GameWorld& world, double alpha, const std::function<Style(const b2Body&)>& style = {}) const;
+    /// Shells in colours of their own, lighter where they store energy.
     void shells(const GameWorld& world, double alpha, const std::function<Colour(ShellHandle)>& colour = {}) const;
+    void shells(const std::vector<picture::Shell>& shells) const { picture::addShells(canvas_->list(), seen_, shells); }
+    /// Energies of snaps, with a flash.
+    void snaps(GameWorld& world) const;
     void drag(const GameWorld& world) const;
     /// Shapes of a game, in world coordinates.
     void disc(Point centre, double radius, const Style& style) const;
     void line(Point a, Point b, const Colour& colour, double width, bool dashed = false) const;
     void area(Point lower, Point upper, const Colour& colour, const std::string& label) const;
     void label(Point at, const std::string& text, const Colour& colour, double size = 14.0) const;
-    /// A shell as a thick line with an edge.
-    void curve(const std::vector<Point>& line, const Colour& colour, double thickness) const;
+    /// A shell that is not there yet.
+    void ghost(const std::vector<Point>& line, const Colour& colour) const;
+    /// Thinner shells are drawn as thick as this, m.
+    [[nodiscard]] double thinnest() const { return 5.0 / camera_->scale(); }
 
 private:
-    Canvas* canvas_;
+    picture::ListCanvas* canvas_;
     const Camera* camera_;
     double width_, height_;
+    picture::View seen_;
 };
 
 /// One entry of the status line.

@@ -1,12 +1,14 @@
 #pragma once
-// A window that shows finished pictures and collects input. Without GLFW open() fails with a message.
+// A window that shows draw lists and collects input. Without GLFW open() fails with a message.
 
 #include "examples/games/frame/input.h"
 #include "plugin/graphics/cairo_canvas.h"
+#include "plugin/graphics/picture/draw_list.h"
 
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace supercircle::frame {
 
@@ -32,7 +34,11 @@ public:
     [[nodiscard]] int width() const;
     [[nodiscard]] int height() const;
     [[nodiscard]] double seconds() const; ///< of a clock
-    void show(const graphics::CairoCanvas& picture);
+    /// `over`: what is drawn over it, of the same size and transparent elsewhere; null: nothing.
+    void show(const picture::DrawList& list, const graphics::CairoCanvas* over = nullptr);
+    /// What show() would show, as CairoCanvas::pixels() has it, row by row without gaps; for tests.
+    [[nodiscard]] std::vector<std::uint32_t> pixels(const picture::DrawList& list, const graphics::CairoCanvas* over);
+    [[nodiscard]] bool accelerated() const; ///< by OpenGL 3.3; else Cairo draws
 
 private:
     struct Impl;

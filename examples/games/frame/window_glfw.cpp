@@ -1,7 +1,10 @@
-// Cairo draws the picture, as for PNG files, and it is shown as one texture. This needs OpenGL 1.2 only, no second
-// renderer, and headless tests see the same pixels.
+// OpenGL 3.3 draws the picture. Where there is none, Cairo draws it as for PNG files, and OpenGL 1.2 shows it as one
+// texture.
 
 #include "examples/games/frame/window.h"
+
+#include "examples/games/frame/gl_picture.h"
+#include "plugin/graphics/cairo_picture.h"
 
 #define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
@@ -49,10 +52,12 @@ struct Window::Impl {
     bool started = false;
     Pointer pointer;
     GLuint texture = 0;
-    Input* input = nullptr; ///< while polling
+    std::unique_ptr<GlPicture> picture; ///< null: Cairo draws
+    Input* input = nullptr;             ///< while polling
 
     static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
     void listen();
+    void draw(const picture::DrawList& list, const graphics::CairoCanvas* over, int width, int height);
     void pixel(double x, double y, graphics::Point& out) const;
 };
 
@@ -99,6 +104,7 @@ void Window::Impl::listen() {
 Window::Window() : impl_(std::make_unique<Impl>()) {}
 
 Window::~Window() {
+    impl_->picture.reset();
     if (impl_->window != nullptr)
         glfwDestroyWindow(impl_->window);
     if (impl_->started)
@@ -115,16 +121,36 @@ std::string Window::open(int width, int height, const std::string& title) {
     if (glfwInit() == GLFW_FALSE)
         return why();
     impl_->started = true;
-    impl_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
-    if (impl_->window == nullptr)
-        return why();
-    glfwMakeContextCurrent(impl_->window);
-    glfwSwapInterval(1);
-    glGenTextures(1, &impl_->texture);
-    glBindTexture(GL_TEXTURE_2D, impl_->texture);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glEnable(GL_TEXTURE_2D);
+    const auto create = [&](bool modern) {
+        glfwDefaultWindowHints();
+        if (modern) {
+            glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+            glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+            glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        }
+        if (impl_->window != nullptr)
+            glfwDestroyWindow(impl_->window);
+        impl_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+        if (impl_->window == nullptr)
+            return false;
+        glfwMakeContextCurrent(impl_->window);
+        glfwSwapInterval(1);
+        return true;
+    };
+    if (create(true)) {
+        impl_->picture = std::make_unique<GlPicture>();
+        if (!impl_->picture->open().empty())
+            impl_->picture.reset();
+    }
+    if (!impl_->picture) {
+        if (!create(false))
+            return why();
+        glGenTextures(1, &impl_->texture);
+        glBindTexture(GL_TEXTURE_2D, impl_->texture);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        glEnable(GL_TEXTURE_2D);
+    }
     impl_->listen();
     return {};
 }
@@ -158,9 +184,23 @@ double Window::seconds() const {
     return glfwGetTime();
 }
 
-void Window::show(const graphics::CairoCanvas& picture) {
-    const graphics::CairoCanvas::Pixels p = picture.pixels();
-    glViewport(0, 0, width(), height());
+bool Window::accelerated() const {
+    return impl_->picture != nullptr;
+}
+
+void Window::Impl::draw(const picture::DrawList& list, const graphics::CairoCanvas* over, int width, int height) {
+    if (picture) {
+        picture->draw(list, width, height);
+        if (over != nullptr)
+            picture->drawOver(*over, width, height);
+        return;
+    }
+    graphics::CairoCanvas canvas(width, height, 1.0);
+    graphics::draw(canvas, list);
+    if (over != nullptr)
+        graphics::drawOver(canvas, *over);
+    const graphics::CairoCanvas::Pixels p = canvas.pixels();
+    glViewport(0, 0, width, height);
     glPixelStorei(GL_UNPACK_ROW_LENGTH, p.stride / 4);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, p.width, p.height, 0, GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, p.data);
     glBegin(GL_QUADS);
@@ -170,7 +210,22 @@ void Window::show(const graphics::CairoCanvas& picture) {
         glVertex2f(2.0F * c[0] - 1.0F, 1.0F - 2.0F * c[1]);
     }
     glEnd();
+}
+
+void Window::show(const picture::DrawList& list, const graphics::CairoCanvas* over) {
+    impl_->draw(list, over, width(), height());
     glfwSwapBuffers(impl_->window);
+}
+
+std::vector<std::uint32_t> Window::pixels(const picture::DrawList& list, const graphics::CairoCanvas* over) {
+    const auto w = static_cast<std::size_t>(width()), h = static_cast<std::size_t>(height());
+    impl_->draw(list, over, width(), height());
+    std::vector<std::uint32_t> upwards(w * h), out;
+    glReadPixels(0, 0, width(), height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, upwards.data());
+    for (std::size_t y = h; y-- > 0;)
+        out.insert(out.end(), upwards.begin() + static_cast<std::ptrdiff_t>(y * w),
+                   upwards.begin() + static_cast<std::ptrdiff_t>((y + 1) * w));
+    return out;
 }
 
 } // namespace supercircle::frame

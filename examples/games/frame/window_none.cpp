@@ -28,6 +28,12 @@ int Window::height() const {
 double Window::seconds() const {
     return 0.0;
 }
-void Window::show(const graphics::CairoCanvas&) {}
+void Window::show(const picture::DrawList&, const graphics::CairoCanvas*) {}
+std::vector<std::uint32_t> Window::pixels(const picture::DrawList&, const graphics::CairoCanvas*) {
+    return {};
+}
+bool Window::accelerated() const {
+    return false;
+}
 
 } // namespace supercircle::frame

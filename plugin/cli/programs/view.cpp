@@ -21,6 +21,7 @@ std::function<int()> describeView(CLI::App& app) {
         ->type_name("N")
         ->capture_default_str();
     app.add_option("--png", a.png, "the last picture, headless")->type_name("FILE");
+    app.add_option("--wav", a.wav, "the sound, headless")->type_name("FILE");
     app.add_option("--script", a.script, "timed inputs (docs/how-to/levels.md)")->type_name("FILE.json");
     app.add_option("--show", a.show, "layers: curvature, energy, contacts, slip, proxies, boxes; with commas")
         ->type_name("NAMES");

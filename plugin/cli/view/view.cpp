@@ -24,6 +24,7 @@ int view(const ViewArguments& a) {
     t.headless = a.headless;
     t.frames = a.frames;
     t.png = a.png;
+    t.wav = a.wav;
     t.script = a.script;
     t.show = a.show;
     t.record = a.record;

@@ -57,6 +57,8 @@ std::vector<picture::Body> bodiesOf(const step::Port& port, const std::vector<st
         body.solid = placed.kind == contact::OutlineKind::Polygon || placed.kind == contact::OutlineKind::Circle;
         body.role = !s.moving ? picture::Role::Still : s.mass > 0.0 ? picture::Role::Loose : picture::Role::Driven;
         body.id = o.body;
+        if (body.role == picture::Role::Loose)
+            body.angle = s.angle;
         out.push_back(std::move(body));
     }
     return out;

@@ -11,8 +11,14 @@ namespace supercircle::live {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
+constexpr double kGravity = 9.81; ///< m/s^2: a scale, also where there is none
 /// Kept between two pictures: more voices than can ring at a time; the strongest ones stay.
 constexpr std::size_t kMostEvents = 2 * sound::kMostVoices;
+
+/// sqrt(g R), m/s.
+double froude(double length) {
+    return std::sqrt(kGravity * length / kTwoPi);
+}
 
 /// Sum of the friction forces of all contacts, N.
 double frictionForce(const step::World& world) {
@@ -27,16 +33,20 @@ double frictionForce(const step::World& world) {
 void SoundWatch::frame(const Shells& shells) {
     if (!on_)
         return;
-    const auto add = [&](double time, double strength, ShellHandle shell, bool snap) {
-        const auto state = shells.state(shell);
-        if (!state || !(strength > 0.0))
-            return;
-        events_.push_back({time, snap ? strength : strength * state->mass, state->length / kTwoPi, snap});
+    const std::vector<ShellHandle> handles = shells.shells();
+    const auto rodOf = [&](ShellHandle shell) -> const rod::RodDefinition* {
+        const auto at = std::find(handles.begin(), handles.end(), shell);
+        return at != handles.end()
+                   ? &shells.world().rods[static_cast<std::size_t>(at - handles.begin())].model.definition()
+                   : nullptr;
     };
     for (const SnapEndEvent& s : shells.events().snap_end)
-        add(s.time, s.energy_released, s.shell, true);
+        if (const rod::RodDefinition* const d = rodOf(s.shell))
+            events_.push_back({s.time, s.energy_released * d->length / d->bendingModulus, d->length / kTwoPi, true});
     for (const ContactBeginEvent& c : shells.events().contact_begin)
-        add(c.time, c.approach_speed, c.at.a, false);
+        if (const rod::RodDefinition* const d = rodOf(c.at.a)) // its mass times the speed, over m sqrt(g R)
+            events_.push_back({c.time, c.approach_speed / froude(d->length), d->length / kTwoPi, false});
+    std::erase_if(events_, [](const Event& e) { return !(e.strength > 0.0); });
     if (events_.size() > kMostEvents) { // snaps first, then by strength
         std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
             return a.snap != b.snap ? a.snap : a.strength > b.strength;
@@ -45,9 +55,15 @@ void SoundWatch::frame(const Shells& shells) {
     }
     const double now = shells.time(), friction = shells.energy_balance().friction;
     if (now > frictionAt_) {
-        power_ = std::max(friction - friction_, 0.0) / (now - frictionAt_);
+        const double power = std::max(friction - friction_, 0.0) / (now - frictionAt_); // W
         const double force = frictionForce(shells.world());
-        speed_ = force > 0.0 ? power_ / force : 0.0;
+        double full = 0.0, speed = 0.0; // W and m/s of strength 1
+        for (const step::Rod& rod : shells.world().rods) {
+            speed = std::max(speed, froude(rod.model.definition().length));
+            full += rod.model.mass() * kGravity * froude(rod.model.definition().length);
+        }
+        power_ = full > 0.0 ? power / full : 0.0;
+        speed_ = force > 0.0 && speed > 0.0 ? power / force / speed : 0.0;
     }
     friction_ = friction;
     frictionAt_ = now;

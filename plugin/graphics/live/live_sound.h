@@ -21,7 +21,7 @@ public:
 
 private:
     struct Event {
-        double time = 0.0, strength = 0.0, radius = 0.0; ///< s; J of a snap, N s of a hit; m
+        double time = 0.0, strength = 0.0, radius = 0.0; ///< s, 1, m
         bool snap = false;
     };
     sound::Synthesiser synthesiser_;
@@ -29,7 +29,7 @@ private:
     std::span<const float> samples_;
     double from_ = 0.0;                        ///< time of the last make(), s
     double friction_ = 0.0, frictionAt_ = 0.0; ///< dissipated until then, J and s
-    double power_ = 0.0, speed_ = 0.0;         ///< of friction in the last frame, W and m/s
+    double power_ = 0.0, speed_ = 0.0;         ///< of friction in the last frame, 1
     bool on_ = false;
 };
 

@@ -123,7 +123,15 @@ var drawPicture = (function () {
     c.font = (n[at + 6] !== 0 ? "bold " : "") + n[at + 2] + "px sans-serif";
     c.textAlign = ["left", "center", "right"][n[at + 5]];
     c.textBaseline = "alphabetic";
-    c.fillText(what, n[at], n[at + 1]);
+    if (n[at + 7] === 0) {
+      c.fillText(what, n[at], n[at + 1]);
+      return;
+    }
+    c.save();
+    c.translate(n[at], n[at + 1]);
+    c.rotate(n[at + 7] * Math.PI / 180);
+    c.fillText(what, 0, 0);
+    c.restore();
   }
 
   function begin(c) {

@@ -108,6 +108,7 @@ void DrawList::text(Point at, std::string_view text, const TextLook& look) {
     put(share(look.colour.a));
     put(look.anchor == Anchor::Start ? 0.0 : look.anchor == Anchor::Middle ? 1.0 : 2.0);
     put(look.bold ? 1.0 : 0.0);
+    put(look.angle);
     texts_ += text.substr(0, text.find('\0'));
     texts_ += '\0';
 }

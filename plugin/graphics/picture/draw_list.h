@@ -23,7 +23,7 @@ enum class Operation : std::int32_t {
     Band = 2,    ///< alpha, closed, then x, y, half width, colour of each vertex
     Disc = 3,    ///< x, y, radius, colour, alpha
     Glow = 4,    ///< x, y, radius, colour, strength
-    Text = 5,    ///< x, y of the base line, size, colour, alpha, anchor, bold; the text stands in texts()
+    Text = 5,    ///< x, y of the base line, size, colour, alpha, anchor, bold, angle; the text stands in texts()
     Clip = 6     ///< x, y, width, height of what the following operations may touch
 };
 
@@ -42,6 +42,7 @@ struct TextLook {
     Colour colour{};
     Anchor anchor = Anchor::Start;
     bool bold = false;
+    double angle = 0.0; ///< clockwise about its anchor, degrees
 };
 
 /// 65536 red + 256 green + blue, each 0 to 255: exact in a float.

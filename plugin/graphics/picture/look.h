@@ -25,6 +25,7 @@ inline constexpr double rim = 1.1;
 inline constexpr double edge = 1.2; ///< half width of the edges of bodies, of which the outer half is seen
 inline constexpr double mark = 2.2; ///< radius of a contact
 inline constexpr double shadowShift = 3.0;
+inline constexpr double snapSize = 15.0; ///< of the text
 inline constexpr double flashRadius = 70.0;
 inline constexpr double flashStrength = 0.75;
 

@@ -1,6 +1,7 @@
 #include "plugin/graphics/picture/world_picture.h"
 
 #include "plugin/graphics/picture/look.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <array>
@@ -34,6 +35,8 @@ double level(double energy, double full) {
 }
 
 Colour colourOf(const Shell& shell, std::size_t i) {
+    if (i < shell.colours.size())
+        return shell.colours[i];
     if (shell.quarantined || i >= shell.energy.size() || std::isnan(shell.energy[i]))
         return kUnknown;
     if (shell.tint)
@@ -147,6 +150,11 @@ void addBody(DrawList& list, const View& view, std::span<const Body> pieces) {
             list.disc(all[i].front(), std::max(radius - 1.5 * edge, 0.0), style.fill);
         else
             list.polygon(all[i], style.fill);
+        if (all[i].size() == 1 && pieces[i].angle) {
+            const math::SinCos turn = math::sinCos(*pieces[i].angle);
+            const Point c = all[i].front(), end{c.x + 0.65 * radius * turn.cosine, c.y - 0.65 * radius * turn.sine};
+            list.line(std::array{c, end}, false, 0.7 * edge, style.edge);
+        }
     }
 }
 
@@ -163,27 +171,6 @@ void addContacts(DrawList& list, const View& view, const Content& content) {
         list.disc(view.pixel(p), (look::mark + 2.6) * view.pixelRatio, look::outline);
         list.disc(view.pixel(p), (look::mark + 1.2) * view.pixelRatio, look::hold);
         list.disc(view.pixel(p), 0.5 * look::mark * view.pixelRatio, look::outline);
-    }
-}
-
-void addSnaps(DrawList& list, const View& view, const Content& content) {
-    const double ratio = view.pixelRatio;
-    for (const SnapMark& s : content.snaps) {
-        const double left = 1.0 - s.age;
-        if (s.flash && !view.reducedMotion)
-            list.glow(view.pixel(s.at), look::flashRadius * ratio * (0.7 + 0.3 * s.age), look::flash,
-                      look::flashStrength * left * left);
-    }
-    for (const SnapMark& s : content.snaps) {
-        const double rise = view.reducedMotion ? 0.0 : 22.0 * s.age,
-                     seen = view.reducedMotion ? 1.0 : 1.0 - s.age * s.age;
-        const Point at = view.pixel(s.at);
-        const Point base{at.x, at.y - (16.0 + rise) * ratio};
-        const std::string joules = energyText(s.released);
-        TextLook text{15.0 * ratio, look::outline.alpha(0.8 * seen), Anchor::Middle, true};
-        list.text({base.x + ratio, base.y + 1.4 * ratio}, joules, text);
-        text.colour = look::snapText.alpha(seen);
-        list.text(base, joules, text);
     }
 }
 
@@ -239,26 +226,66 @@ void addShell(DrawList& list, const View& view, const Shell& shell, double alpha
 }
 
 void addWorld(DrawList& list, const View& view, const Content& content) {
-    const bool part = view.area.width > 0.0 && view.area.height > 0.0;
     const Rect whole{0.0, 0.0, view.width, view.height};
-    list.clip(part ? view.area : whole);
-    for (const Body& body : content.bodies)
+    list.clip(whole);
+    addBodies(list, view, content.bodies);
+    addShells(list, view, content.shells);
+    addContacts(list, view, content);
+    addSnaps(list, view, content.snaps);
+    list.clip(whole);
+}
+
+void addBodies(DrawList& list, const View& view, const std::vector<Body>& bodies) {
+    for (const Body& body : bodies)
         addBodyShadow(list, view, body);
-    for (std::size_t i = 0; i < content.bodies.size();) {
+    for (std::size_t i = 0; i < bodies.size();) {
         std::size_t end = i + 1;
-        while (end < content.bodies.size() && content.bodies[i].id != 0 &&
-               content.bodies[end].id == content.bodies[i].id)
+        while (end < bodies.size() && bodies[i].id != 0 && bodies[end].id == bodies[i].id)
             ++end;
-        addBody(list, view, std::span(content.bodies).subspan(i, end - i));
+        addBody(list, view, std::span(bodies).subspan(i, end - i));
         i = end;
     }
-    for (const Shell& shell : content.shells)
+}
+
+void addShells(DrawList& list, const View& view, const std::vector<Shell>& shells) {
+    for (const Shell& shell : shells)
         addShadow(list, view, shell);
-    for (const Shell& shell : content.shells)
+    for (const Shell& shell : shells)
         addShell(list, view, shell);
-    addContacts(list, view, content);
-    addSnaps(list, view, content);
-    list.clip(whole);
+}
+
+void addSnaps(DrawList& list, const View& view, const std::vector<SnapMark>& snaps) {
+    const double ratio = view.pixelRatio;
+    for (const SnapMark& s : snaps) {
+        const double left = 1.0 - s.age;
+        if (s.flash && !view.reducedMotion)
+            list.glow(view.pixel(s.at), look::flashRadius * ratio * (0.7 + 0.3 * s.age), look::flash,
+                      look::flashStrength * left * left);
+    }
+    // A text that would cover that of a larger snap is left out.
+    std::vector<const SnapMark*> largest;
+    for (const SnapMark& s : snaps)
+        largest.push_back(&s);
+    std::stable_sort(largest.begin(), largest.end(),
+                     [](const SnapMark* a, const SnapMark* b) { return a->released > b->released; });
+    std::vector<Rect> taken;
+    for (const SnapMark* mark : largest) {
+        const SnapMark& s = *mark;
+        const double rise = view.reducedMotion ? 0.0 : 22.0 * s.age,
+                     seen = view.reducedMotion ? 1.0 : 1.0 - s.age * s.age;
+        const Point at = view.pixel(s.at);
+        const Point base{at.x, at.y - (16.0 + rise) * ratio};
+        const std::string joules = energyText(s.released);
+        const double wide = 0.6 * look::snapSize * ratio * static_cast<double>(joules.size());
+        const Rect box{base.x - 0.5 * wide, base.y - look::snapSize * ratio, wide, 1.2 * look::snapSize * ratio};
+        if (std::any_of(taken.begin(), taken.end(), [&](const Rect& r) { return r.overlaps(box); }))
+            continue;
+        taken.push_back(box);
+        TextLook text{look::snapSize * ratio, look::outline.alpha(0.8 * seen), Anchor::Middle, true};
+        list.text({base.x + ratio, base.y + 1.4 * ratio}, joules, text);
+        text.colour = look::snapText.alpha(seen);
+        list.text(base, joules, text);
+    }
 }
 
 } // namespace supercircle::picture

@@ -18,7 +18,6 @@ struct View {
     double pixelsPerMetre = 100.0;
     double pixelRatio = 1.0;    ///< of line widths, marks and texts to their sizes on an ordinary screen, 1
     bool reducedMotion = false; ///< no flash, and texts of snaps stand still
-    Rect area{};                ///< of the picture that the world may touch, px; empty: all of it
     [[nodiscard]] Point pixel(Point metres) const {
         return {0.5 * width + pixelsPerMetre * (metres.x - centre.x),
                 0.5 * height - pixelsPerMetre * (metres.y - centre.y)};
@@ -28,9 +27,10 @@ struct View {
 enum class Role { Still, Driven, Loose };
 
 struct Body {
-    std::vector<Point> points{}; ///< corners in the world, m; one: a disc
-    double radius = 0.0;         ///< of a disc, m
-    bool solid = true;           ///< false: an open line
+    std::vector<Point> points{};   ///< corners in the world, m; one: a disc
+    double radius = 0.0;           ///< of a disc, m
+    std::optional<double> angle{}; ///< of a disc, rad: a line shows how it turns
+    bool solid = true;             ///< false: an open line
     Role role = Role::Still;
     std::uint64_t id = 0;                 ///< pieces of one body have no edge between them if they follow each other
     std::optional<Colour> fill{}, edge{}; ///< instead of those of the role
@@ -43,7 +43,8 @@ struct Shell {
     double fullEnergy = 1.0;      ///< stored energy per length that has the last colour, J/m
     bool closed = false;          ///< a ring: the last point is not the first one
     bool quarantined = false;
-    std::optional<Colour> tint{}; ///< of a shell at rest, instead of the first colour
+    std::optional<Colour> tint{};  ///< of a shell at rest, instead of the first colour
+    std::vector<Colour> colours{}; ///< of the points, instead of those of the energy; none: by energy
 };
 
 struct Contact {
@@ -71,9 +72,13 @@ struct Content {
 
 /// Appends the ground alone.
 void addGround(DrawList& list, const View& view);
-/// Appends what the world shows.
+/// Appends what the world shows, clipped to the picture.
 void addWorld(DrawList& list, const View& view, const Content& content);
-/// A shell alone, such as one that is about to be placed.
+// Its parts, without a clip.
+void addBodies(DrawList& list, const View& view, const std::vector<Body>& bodies);
+void addShells(DrawList& list, const View& view, const std::vector<Shell>& shells);
+/// A shell alone, without shadow; with an alpha below 1 one that is about to be placed.
 void addShell(DrawList& list, const View& view, const Shell& shell, double alpha = 1.0);
+void addSnaps(DrawList& list, const View& view, const std::vector<SnapMark>& snaps);
 
 } // namespace supercircle::picture

@@ -9,16 +9,18 @@ namespace supercircle::sound {
 
 namespace {
 
+/// Amplitude below which sliding is left out. Half of it lets piles at rest hiss by their creep of micrometres a
+/// second; twice of it silences a plate of 5 mm/s on one shell.
+constexpr double kSoftest = 0.004;
 constexpr double kTwoPi = 6.283185307179586;
 /// Bending modes 2 to 5 of a free ring over mode 2: n (n^2 - 1) / sqrt(n^2 + 1) (Love, 1888).
 constexpr std::array<double, 4> kRing = {1.0, 2.828427, 5.423261, 8.770580};
 
-/// 0 at 0, half at the reference, 1 far above: loudness is heard by its logarithm, and games have joules where the
-/// laboratory has microjoules.
-double grade(double value, double reference, double power) {
-    if (!(value > 0.0))
+/// 0 at 0, half at the reference, 1 far above, because loudness is heard by its logarithm.
+double grade(double strength, double reference, double power) {
+    if (!(strength > 0.0))
         return 0.0;
-    const double x = math::pow(std::min(value / reference, 1e12), power);
+    const double x = math::pow(std::min(strength / reference, 1e12), power);
     return x / (1.0 + x);
 }
 
@@ -61,17 +63,19 @@ void Synthesiser::start(double amplitude, double frequency, double seconds, std:
         *quietest = voice;
 }
 
-void Synthesiser::snap(double joules, double radius, double delay) {
-    start(0.7 * grade(joules, 1e-3, 0.35), pitch(620.0, radius), 0.11, kModes, delay);
+void Synthesiser::snap(double strength, double radius, double delay) {
+    start(0.7 * grade(strength, 0.4, 0.5), pitch(620.0, radius), 0.11, kModes, delay);
 }
 
-void Synthesiser::hit(double impulse, double radius, double delay) {
-    start(0.45 * grade(impulse, 2e-4, 0.6), pitch(1450.0, radius), 0.012, 2, delay);
+void Synthesiser::hit(double strength, double radius, double delay) {
+    start(0.45 * grade(strength, 1.0, 0.8), pitch(1450.0, radius), 0.012, 2, delay);
 }
 
-void Synthesiser::slide(double power, double speed) {
-    wanted_ = 0.3 * grade(power, 5e-3, 0.5);
-    const double f = std::clamp(1200.0 * std::sqrt(std::max(speed, 0.0) / 0.1), 300.0, 6000.0);
+void Synthesiser::slide(double strength, double speed) {
+    wanted_ = 0.3 * grade(strength, 0.3, 0.6);
+    if (wanted_ < kSoftest)
+        wanted_ = 0.0;
+    const double f = std::clamp(3000.0 * std::sqrt(std::max(speed, 0.0)), 300.0, 6000.0);
     if (wanted_ > 0.0)
         pole_ = 1.0 - math::exp(-kTwoPi * f / kRate);
 }

@@ -18,13 +18,14 @@ inline constexpr double kMostSeconds = 10.0;
 
 class Synthesiser {
 public:
-    /// A shell of that radius (m; of a strip its length over 2 pi) has released energy (J). `delay`: from the next
-    /// sample, s.
-    void snap(double joules, double radius, double delay = 0.0);
-    /// A shell of that radius is hit with an impulse (N s).
-    void hit(double impulse, double radius, double delay = 0.0);
-    /// From now on friction takes a power (W) at a mean slip speed (m/s); 0: nothing slides.
-    void slide(double power, double speed);
+    /// A shell of that radius (m; of a strip its length over 2 pi) snaps. Strength: released energy over B / L, 1.
+    /// `delay`: from the next sample, s.
+    void snap(double strength, double radius, double delay = 0.0);
+    /// A shell of that radius is hit. Strength: impulse over m sqrt(g R) of the shell, 1.
+    void hit(double strength, double radius, double delay = 0.0);
+    /// From now on shells slide. Strength: friction power over m g sqrt(g R) of all shells, 1; 0: nothing slides.
+    /// Speed: mean slip speed over sqrt(g R), 1.
+    void slide(double strength, double speed);
     /// The next samples, mono, between -1 and 1, neither reached. Fractions of a sample are carried over. `seconds` is
     /// 0 to kMostSeconds.
     [[nodiscard]] std::span<const float> render(double seconds);

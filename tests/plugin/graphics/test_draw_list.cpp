@@ -57,7 +57,7 @@ TEST_CASE("operations tell how many numbers they have, and texts stand in their 
     list.text({7, 8}, "\u00b5J", {12.0, Colour::hex(0x0a0b0c), Anchor::End, true});
     list.text({7, 8}, "", {});
     list.clip({1, 2, 30, 40});
-    CHECK(list.operations() == std::vector<std::int32_t>{1, 8, 2, 10, 3, 5, 4, 5, 5, 7, 5, 7, 6, 4});
+    CHECK(list.operations() == std::vector<std::int32_t>{1, 8, 2, 10, 3, 5, 4, 5, 5, 8, 5, 8, 6, 4});
     CHECK(list.texts() == std::string("\u00b5J\0\0", 5));
     const std::vector<float> first{1056816, 0.5F, 0, 0, 10, 0, 10, 5, 1, 0, 0, 0, 2, 16711680, 8, 0, 3, 65280};
     CHECK(std::vector<float>(list.numbers().begin(), list.numbers().begin() + 18) == first);

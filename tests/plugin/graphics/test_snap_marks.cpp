@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <string>
 
 using namespace supercircle::picture;
 
@@ -83,4 +84,18 @@ TEST_CASE("reduced motion shows the energy of a snap without light and at rest",
         CHECK(y == (reduced ? 284.0F : 273.0F));
         CHECK(alpha == (reduced ? 1.0F : 0.75F));
     }
+}
+
+TEST_CASE("texts of snaps do not cover each other: the larger one is shown", "[picture]") {
+    Content content;
+    content.snaps = {
+        {{0.0, 0.0}, 0.001, 0.0, false}, {{0.05, 0.0}, 0.002, 0.0, false}, {{2.0, 0.0}, 0.0005, 0.0, false}};
+    DrawList list;
+    addWorld(list, {}, content);
+    std::vector<std::string> texts;
+    list.each([&](const Item& item) {
+        if (item.operation == Operation::Text)
+            texts.emplace_back(item.text);
+    });
+    CHECK(texts == std::vector<std::string>{"2.0 mJ", "2.0 mJ", "500 \u00b5J", "500 \u00b5J"}); // each with its shade
 }

@@ -47,6 +47,7 @@ GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<Co
 /// What a step starts from: all candidates known, or those of them that matter.
 const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings, TrialStep& t) {
     t.stage.addBelow = settings.cull ? settings.margin * t.h : std::numeric_limits<double>::infinity();
+    t.stage.leavesTips = settings.leavesTips();
     if (!t.selects(settings))
         return t.candidates(world);
     if (!settings.cull)

@@ -43,6 +43,15 @@ double PathFollower::errorOf(const MassNormalisedProblem& problem) const {
     return sum.error();
 }
 
+/// The same right after refine(), which leaves the contact velocities in trial_.
+double PathFollower::errorOfRefined(const MassNormalisedProblem& problem) const {
+    ResidualSum sum;
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+        MassNormalisedProblem::addResidual(problem.contact(contacts_[k]), {trial_[2 * k], trial_[2 * k + 1]}, r_[2 * k],
+                                           r_[2 * k + 1], sum);
+    return sum.error();
+}
+
 /// Puts the guess on its statuses, away from their limits, and finds the shift of the right-hand side that makes it
 /// exact.
 void PathFollower::begin(const MassNormalisedProblem& problem, const PathSettings& settings, const SolverState& x) {
@@ -62,7 +71,9 @@ void PathFollower::begin(const MassNormalisedProblem& problem, const PathSetting
     anchor_ = r_;
     fixVelocities(problem, x);
     copyBodies(problem, x.w, w_);
-    errorAtStart_ = errorOf(problem);
+    errorAtStart_ = settings.error < 0.0 ? errorOf(problem) : settings.error;
+    SC_ASSERT_EXPENSIVE(!(std::abs(errorAtStart_ - errorOf(problem)) > 0.0),
+                        "the error that was given is that of the guess");
     const double size = settings.slack * std::sqrt(errorAtStart_ / static_cast<double>(count));
     for (std::size_t k = 0; k < count; ++k) {
         const MassNormalisedProblem::Contact& contact = problem.contact(contacts_[k]);
@@ -354,6 +365,8 @@ bool PathFollower::refine(const MassNormalisedProblem& problem) {
         const MassNormalisedProblem::Velocity u = problem.velocity(problem.contact(contacts_[k]), w_.data());
         const double un = u.n + prox_[k] * (r_[2 * k] - anchor_[2 * k]) + rest * shift_[2 * k];
         const double ut = u.t + prox_[k] * (r_[2 * k + 1] - anchor_[2 * k + 1]) + rest * shift_[2 * k + 1];
+        trial_[2 * k] = u.n;
+        trial_[2 * k + 1] = u.t;
         stale_[k] = 0;
         u_[2 * k] = status_[k] == ContactStatus::Open ? un : 0.0;
         u_[2 * k + 1] = status_[k] == ContactStatus::Stick ? 0.0 : ut;
@@ -415,7 +428,8 @@ PathFollower::Termination PathFollower::run(const MassNormalisedProblem& problem
         const Termination termination = follow(problem, settings, counts);
         if (termination != Termination::Solved || !refine(problem))
             return termination == Termination::Solved ? Termination::Singular : termination;
-        const double now = errorOf(problem);
+        const double now = errorOfRefined(problem);
+        SC_ASSERT_EXPENSIVE(now == errorOf(problem) || !std::isfinite(now), "nothing has changed since refine()");
         if (!std::isfinite(now))
             return Termination::Singular;
         store(problem, x);

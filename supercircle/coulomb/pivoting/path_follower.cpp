@@ -156,10 +156,12 @@ bool PathFollower::direction(const MassNormalisedProblem& problem) {
             problem.apply(problem.contact(contacts_[k]), dr_[2 * k], dr_[2 * k + 1], dw_.data());
     for (const std::int32_t b : bodies_) {
         const double* dw = dw_.data() + problem.bodyOffset(b);
-        double square = 0.0;
-        for (std::size_t i = 0; i < problem.bodyPadded(b); ++i)
-            square += dw[i] * dw[i];
-        bodyRate_[b] = std::sqrt(square);
+        DoublePair square = {0.0, 0.0};
+        for (std::size_t i = 0; i < problem.bodyPadded(b); i += 2) {
+            const DoublePair pair = *reinterpret_cast<const UnalignedPair*>(dw + i);
+            square += pair * pair;
+        }
+        bodyRate_[b] = std::sqrt(square[0] + square[1]);
     }
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         du_[2 * k] = du_[2 * k + 1] = 0.0; // open contacts are computed in nextBreakpoint
@@ -180,9 +182,10 @@ double PathFollower::openRate(const MassNormalisedProblem& problem, std::size_t 
 PathFollower::Breakpoint PathFollower::nextBreakpoint(const MassNormalisedProblem& problem, double sign) {
     Breakpoint next{std::numeric_limits<double>::infinity(), 0, Event::None};
     const auto consider = [&](std::size_t k, double value, double rate, Event event) {
-        if (sign * rate >= 0.0)
+        const double speed = -sign * rate;
+        if (speed <= 0.0 || value > (1.0 + 1e-12) * next.step * speed) // the latter spares most divisions
             return;
-        const double step = std::max(value, 0.0) / (-sign * rate);
+        const double step = std::max(value, 0.0) / speed;
         if (step < next.step)
             next = {step, k, event};
     };

@@ -72,14 +72,30 @@ constexpr int kEarlyPivotsPerContact = 4;
 bool Solver::Impl::evaluateState(Method method, SolveReport& report) {
     SC_ASSERT(x.r.size() == 2 * normalised.contactCount(), "two impulses a contact");
     normalised.assemble(x.r, x.w, loop);
+    return offerState(method, report);
+}
+
+/// The same for velocities that were just assembled.
+bool Solver::Impl::offerState(Method method, SolveReport& report) {
     report.effort.visits += 2.0 * static_cast<double>(normalised.contactCount());
-    if (best.offer(x.r, normalised.residual(x.r, x.w, loop)))
+    bestIsAssembled = best.offer(x.r, normalised.residual(x.r, x.w, loop));
+    if (bestIsAssembled)
         report.finishedBy = method;
     return target.reached(best.residual);
 }
 
+/// Iterations over all contacts, and over those of a subdomain, need their order and laws: most solves need neither.
+GaussSeidel& Solver::Impl::readyGaussSeidel() {
+    if (!gaussSeidelIsReady)
+        gaussSeidel.prepare(normalised);
+    gaussSeidelIsReady = true;
+    bestIsAssembled = false;
+    return gaussSeidel;
+}
+
 void Solver::Impl::restoreBest() {
     SC_ASSERT(best.r.size() == 2 * normalised.contactCount(), "a solution was evaluated before");
+    bestIsAssembled = false;
     x.r = best.r;
     x.findStatuses(normalised);
     normalised.assemble(x.r, x.w, loop);
@@ -129,6 +145,7 @@ bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
     SC_ASSERT(settings.eps > 0.0 && settings.slack > 0.0, "the proximal problem is regular");
     const std::size_t count = islands.count();
     const bool together = loop && count > 1;
+    bestIsAssembled = false;
     const double allowed = allowedError();
     if (together)
         saved = x;
@@ -144,12 +161,14 @@ bool Solver::Impl::runPaths(const PathSettings& settings, SolveReport& report) {
         item.completed = true;
         item.counts = {};
         const std::span<const std::int32_t> island = islands.contacts(i);
-        if (islandError(island) <= allowed || activeContacts(island) > kPathLimit)
+        PathSettings ownSettings = bounded;
+        ownSettings.error = islandError(island);
+        if (ownSettings.error <= allowed || activeContacts(island) > kPathLimit)
             return;
         item.ran = true;
         const parallel::Pool<PathFollower>::Lease path(pathFollowers);
         const PathFollower::Termination termination =
-            path->run(normalised, island, {}, bounded, allowed, x, item.counts);
+            path->run(normalised, island, {}, ownSettings, allowed, x, item.counts);
         item.completed =
             termination == PathFollower::Termination::Solved || termination == PathFollower::Termination::Stalled;
     };
@@ -205,7 +224,7 @@ bool Solver::Impl::tryPath(const SolveAttempt& settings, std::uint32_t seed, con
                            SolveReport& report) {
     if (settings.iterations > 0) {
         restoreBest();
-        countIterations(gaussSeidel.runAccelerated(normalised, x, settings.iterations, target, best), report);
+        countIterations(readyGaussSeidel().runAccelerated(normalised, x, settings.iterations, target, best), report);
         if (evaluateState(Method::Accelerated, report))
             return true;
     }
@@ -232,7 +251,7 @@ bool Solver::Impl::trySmall(SolveReport& report) {
         return false;
     start = x;
     const double before = best.residual.contactResidual;
-    countIterations(gaussSeidel.run(normalised, x, kFewIterations, target, best), report);
+    countIterations(readyGaussSeidel().run(normalised, x, kFewIterations, target, best), report);
     if (best.residual.contactResidual < before)
         report.finishedBy = Method::GaussSeidel;
     if (target.reached(best.residual))
@@ -263,7 +282,7 @@ bool Solver::Impl::tryWarmStart(const SolverOptions& options, SolveReport& repor
 }
 
 bool Solver::Impl::tryNewton(SolveReport& report) {
-    restoreBest();
+    restoreBest(); // what follows changes x
     forEachUnsolved([&](std::span<const std::int32_t> island, double allowed) {
         if (activeContacts(island) <= kPathLimit)
             report.factorisations += newton.run(normalised, island, 1e-6, kNewtonSteps, allowed, x, report.effort);
@@ -274,7 +293,7 @@ bool Solver::Impl::tryNewton(SolveReport& report) {
 bool Solver::Impl::tryAccelerated(int count, SolveReport& report) {
     restoreBest();
     const double before = best.residual.contactResidual;
-    countIterations(gaussSeidel.runAccelerated(normalised, x, count, target, best), report);
+    countIterations(readyGaussSeidel().runAccelerated(normalised, x, count, target, best), report);
     if (best.residual.contactResidual < before)
         report.finishedBy = Method::Accelerated;
     return target.reached(best.residual);
@@ -285,7 +304,8 @@ void Solver::Impl::run(const SolverOptions& options, SolveReport& report) {
     maxWork = options.maxWork > 0.0 ? options.maxWork : std::numeric_limits<double>::infinity();
     giveUp = options.giveUpEarly;
     best.reset();
-    if (evaluateState(Method::None, report) || options.method == Method::None)
+    gaussSeidelIsReady = false;
+    if (offerState(Method::None, report) || options.method == Method::None)
         return;
     const bool paths = options.method == Method::Strategy || options.method == Method::Path;
     if (paths || options.method == Method::Newton) {
@@ -293,14 +313,13 @@ void Solver::Impl::run(const SolverOptions& options, SolveReport& report) {
         setPivotBudget(options);
     }
     const int allowed = pivotsLeft;
-    gaussSeidel.prepare(normalised);
     if (paths && (trySmall(report) || tryWarmStart(options, report)))
         return;
     const bool only = options.method == Method::GaussSeidel;
     const double before = best.residual.contactResidual;
-    countIterations(gaussSeidel.run(normalised, x,
-                                    only ? options.maxGaussSeidelIterations : options.initialGaussSeidelIterations,
-                                    target, best),
+    countIterations(readyGaussSeidel().run(
+                        normalised, x, only ? options.maxGaussSeidelIterations : options.initialGaussSeidelIterations,
+                        target, best),
                     report);
     if (best.residual.contactResidual < before)
         report.finishedBy = Method::GaussSeidel;
@@ -381,9 +400,12 @@ SolveReport Solver::solve(const Problem& problem, const SolverOptions& options, 
     s.x.start(s.normalised, problem.r0);
     s.run(options, report);
 
-    // The residual is evaluated on newly assembled velocities, so that the result is consistent to round-off.
-    s.normalised.assemble(s.best.r, s.x.w, loop);
-    const Residual residual = s.normalised.residual(s.best.r, s.x.w, loop);
+    // The residual is that of newly assembled velocities, so that the result is consistent to round-off.
+    if (!s.bestIsAssembled) {
+        s.normalised.assemble(s.best.r, s.x.w, loop);
+        s.best.residual = s.normalised.residual(s.best.r, s.x.w, loop);
+    }
+    const Residual& residual = s.best.residual;
     report.converged = s.target.reached(residual);
     report.contactResidual = s.target.isRoundOff(residual) ? std::min(residual.contactResidual, options.tolerance)
                                                            : residual.contactResidual;

@@ -186,6 +186,9 @@ struct Settings {
     int secondOrderRods = 1 << 30; ///< most of an island that touch something and move so (second_order.h)
     int secondOrderParts = 16;     ///< of dtMax: a step of so little is not cut for second order
     bool crossingCheck = false;    ///< run the independent crossing check on each step; a step that crosses is cut
+
+    /// Leave out nodes that pass a tip within the step (passed_tips.h): in long steps without vibration.
+    [[nodiscard]] bool leavesTips() const { return cull && !secondOrder; }
 };
 
 /// Settings for games: coarse steps within a budget of work; the defaults are those of the laboratory. Neither checks

@@ -75,6 +75,7 @@ bool Session::beginSegment(const scene::ProtocolSegment& segment) {
         branch = std::min(branch, std::abs(speed) * segment.stop_when.time);
     setStepLimits(speed, branch > 0.0 ? branch : scene_.report.R);
     setAccuracy(speed);
+    toRepeat_ = {};
     loading_ = segment.loading;
     energyRelease_.restart();
     phase_ = moves ? (speed > 0.0 ? "load " : "unload ") + std::to_string(std::max(1, segment.cycle))

@@ -52,6 +52,15 @@ private:
         std::size_t firstRow = 0;   ///< of the segment
         double travelAtStart = 0.0; ///< of the segment, m
     };
+    using Bodies = std::vector<std::pair<step::BodyId, step::BodyState>>;
+    /// Frames that can be made again.
+    struct ToRepeat {
+        bool kept = false;            ///< the rest has a meaning
+        Snapshot state{};             ///< before the first of them ...
+        Bodies moving{};              ///< ... of the host too
+        std::vector<double> frames{}; ///< s, those that are over
+        double present = 0.0;         ///< s, the one after them
+    };
     /// Time that the run has taken.
     struct Spent {
         double wall = 0.0, cpu = 0.0, protocolCpu = 0.0; ///< s
@@ -60,6 +69,7 @@ private:
     template <class Self, class Archive>
     static void io(Self& session, Archive& archive);
     [[nodiscard]] std::vector<std::uint8_t> saveState();
+    [[nodiscard]] Bodies movingBodies() const; ///< kinematic ones of the host
     [[nodiscard]] Spent spent();
     void keepCheckpoint();
     [[nodiscard]] bool interrupted() const { return options_.interrupt && options_.interrupt->load(); }
@@ -68,6 +78,8 @@ private:
 
     [[nodiscard]] bool frame(double dt, const std::function<bool()>& stop); ///< false when the run is over
     [[nodiscard]] bool frameToForce(double dt, double limit, bool& reached);
+    void keepFramesToRepeat();
+    [[nodiscard]] bool repeatFrames(int steps);
     [[nodiscard]] bool cutToForce(double low, double high, double span, double limit, bool& reached);
     [[nodiscard]] bool beginFrame();
     [[nodiscard]] bool endFrame(const FrameReport& report);
@@ -143,6 +155,7 @@ private:
     double sampleTravel_ = 0.0;            ///< m, longest travel between two rows; 0: one row a step
     double rawForce_ = 0.0;                ///< of the last row, before the sensor, N
     bool repeatable_ = false;              ///< a frame can be made again: no host body keeps forces to itself
+    ToRepeat toRepeat_;                    ///< of the present segment
     double sizeRatio_ = 1.0;               ///< of the shells, over the size that the absolute settings are for
     double frame_ = 4e-3;                  ///< s, one call of pre_step
     step::EnergyBalance energyAtStart_{};  ///< when the protocol began

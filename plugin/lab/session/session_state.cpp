@@ -64,21 +64,26 @@ void Session::io(Self& s, Archive& ar) {
        s.firstFrequencies_, s.unitDamping_, s.creepFrom_, s.sampleTravel_, s.rawForce_, s.countersAtProtocol_);
 }
 
+Session::Bodies Session::movingBodies() const {
+    std::vector<step::BodyOutline> all;
+    host_->everything(all);
+    Bodies moving;
+    for (const step::BodyOutline& o : all)
+        if (step::BodyState b; (moving.empty() || moving.back().first != o.body) && host_->state(o.body, b) && b.moving)
+            moving.emplace_back(o.body, b);
+    return moving;
+}
+
 std::vector<std::uint8_t> Session::saveState() {
     archive::Saver out;
     out(shells_.save().bytes(), random_.state());
-    std::vector<step::BodyOutline> all;
-    host_->everything(all);
+    const Bodies bodies = movingBodies();
     std::vector<step::BodyId> moving;
-    for (const step::BodyOutline& o : all)
-        if (step::BodyState b; host_->state(o.body, b) && b.moving && (moving.empty() || moving.back() != o.body))
-            moving.push_back(o.body);
+    for (const auto& [id, b] : bodies)
+        moving.push_back(id);
     out(moving);
-    for (const step::BodyId id : moving) {
-        step::BodyState b;
-        if (host_->state(id, b))
-            out(b.centre, b.angle, b.velocity, b.spin);
-    }
+    for (const auto& [id, b] : bodies)
+        out(b.centre, b.angle, b.velocity, b.spin);
     io(*this, out);
     const Spent spent = this->spent();
     out(spent.wall, spent.cpu, spent.protocolCpu, spent.stages);

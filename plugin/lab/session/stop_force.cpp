@@ -1,4 +1,5 @@
-// The end of a segment that stops at a force: the step that would pass it is made again, shorter.
+// The end of a segment that stops at a force: the step that would pass it is made again, shorter. A state is kept only
+// now and then; from it the frames up to that step are made again.
 
 #include "plugin/lab/session/session.h"
 
@@ -12,9 +13,30 @@ namespace {
 /// Of the stop force, by which the last step may pass it.
 constexpr double kOvershoot = 1e-3;
 constexpr int kMostTrials = 40, kSecants = 8; ///< bisections follow
+/// Frames after which the state is saved anew. Each time costs a third of a frame: half of the number costs 2 % of a
+/// segment, twice as many save 1 % and are made again at its end.
+constexpr std::size_t kFramesOfState = 16;
 constexpr double kShortest = 1e-4; ///< of a step: where a tenth of a per mille of it decides, the force leaps
 
 } // namespace
+
+/// A state for the coming frame, if the last one is too far back.
+void Session::keepFramesToRepeat() {
+    if (toRepeat_.kept && toRepeat_.frames.size() < kFramesOfState)
+        return;
+    toRepeat_ = {true, shells_.save(), movingBodies(), {}};
+}
+
+/// Back to the state before the present frame, of which `steps` are made again. False: the run is over.
+bool Session::repeatFrames(int steps) {
+    for (const auto& [id, state] : toRepeat_.moving)
+        host_->put(id, state);
+    shells_.restore(toRepeat_.state).or_fail();
+    for (const double dt : toRepeat_.frames)
+        if (!endFrame(shells_.pre_step(dt, [] { return false; })))
+            return false;
+    return steps == 0 || endFrame(shells_.pre_step(toRepeat_.present, [&] { return --steps == 0; }));
+}
 
 /// A frame that ends where the force reaches `limit` (N). False: the run is over.
 bool Session::frameToForce(double dt, double limit, bool& reached) {
@@ -23,7 +45,11 @@ bool Session::frameToForce(double dt, double limit, bool& reached) {
     double before = force(), passed = 0.0, last = shells_.time();
     const double most = limit + kOvershoot * std::abs(limit);
     const bool repeats = repeatable_ && before < limit && most > limit;
-    const Snapshot start = repeats ? shells_.save() : Snapshot{};
+    if (repeats)
+        keepFramesToRepeat();
+    else
+        toRepeat_ = {};
+    toRepeat_.present = dt;
     double span = 0.0; // of the step that passes the limit, s
     int steps = 0;
     const FrameReport r = shells_.pre_step(dt, [&] {
@@ -40,12 +66,11 @@ bool Session::frameToForce(double dt, double limit, bool& reached) {
         reached = now >= limit;
         return reached || stopsAtOnce();
     });
-    if (span <= 0.0)
+    if (span <= 0.0) {
+        toRepeat_.frames.push_back(dt);
         return endFrame(r);
-    shells_.restore(start).or_fail();
-    if (steps > 0 && !endFrame(shells_.pre_step(dt, [&] { return --steps == 0; }))) // the same steps again
-        return false;
-    return cutToForce(before, passed, span, limit, reached);
+    }
+    return repeatFrames(steps) && cutToForce(before, passed, span, limit, reached);
 }
 
 /// Finds the step from here that ends at the limit. One of `span` s passes it and ends at `high` (N), from `low`.

@@ -43,6 +43,15 @@ double PathFollower::errorOf(const MassNormalisedProblem& problem) const {
     return sum.error();
 }
 
+/// The same right after refine(), which leaves the contact velocities in trial_.
+double PathFollower::errorOfRefined(const MassNormalisedProblem& problem) const {
+    ResidualSum sum;
+    for (std::size_t k = 0; k < contacts_.size(); ++k)
+        MassNormalisedProblem::addResidual(problem.contact(contacts_[k]), {trial_[2 * k], trial_[2 * k + 1]}, r_[2 * k],
+                                           r_[2 * k + 1], sum);
+    return sum.error();
+}
+
 /// Puts the guess on its statuses, away from their limits, and finds the shift of the right-hand side that makes it
 /// exact.
 void PathFollower::begin(const MassNormalisedProblem& problem, const PathSettings& settings, const SolverState& x) {
@@ -62,7 +71,9 @@ void PathFollower::begin(const MassNormalisedProblem& problem, const PathSetting
     anchor_ = r_;
     fixVelocities(problem, x);
     copyBodies(problem, x.w, w_);
-    errorAtStart_ = errorOf(problem);
+    errorAtStart_ = settings.error < 0.0 ? errorOf(problem) : settings.error;
+    SC_ASSERT_EXPENSIVE(!(std::abs(errorAtStart_ - errorOf(problem)) > 0.0),
+                        "the error that was given is that of the guess");
     const double size = settings.slack * std::sqrt(errorAtStart_ / static_cast<double>(count));
     for (std::size_t k = 0; k < count; ++k) {
         const MassNormalisedProblem::Contact& contact = problem.contact(contacts_[k]);
@@ -145,10 +156,12 @@ bool PathFollower::direction(const MassNormalisedProblem& problem) {
             problem.apply(problem.contact(contacts_[k]), dr_[2 * k], dr_[2 * k + 1], dw_.data());
     for (const std::int32_t b : bodies_) {
         const double* dw = dw_.data() + problem.bodyOffset(b);
-        double square = 0.0;
-        for (std::size_t i = 0; i < problem.bodyPadded(b); ++i)
-            square += dw[i] * dw[i];
-        bodyRate_[b] = std::sqrt(square);
+        DoublePair square = {0.0, 0.0};
+        for (std::size_t i = 0; i < problem.bodyPadded(b); i += 2) {
+            const DoublePair pair = *reinterpret_cast<const UnalignedPair*>(dw + i);
+            square += pair * pair;
+        }
+        bodyRate_[b] = std::sqrt(square[0] + square[1]);
     }
     for (std::size_t k = 0; k < contacts_.size(); ++k) {
         du_[2 * k] = du_[2 * k + 1] = 0.0; // open contacts are computed in nextBreakpoint
@@ -169,9 +182,10 @@ double PathFollower::openRate(const MassNormalisedProblem& problem, std::size_t 
 PathFollower::Breakpoint PathFollower::nextBreakpoint(const MassNormalisedProblem& problem, double sign) {
     Breakpoint next{std::numeric_limits<double>::infinity(), 0, Event::None};
     const auto consider = [&](std::size_t k, double value, double rate, Event event) {
-        if (sign * rate >= 0.0)
+        const double speed = -sign * rate;
+        if (speed <= 0.0 || value > (1.0 + 1e-12) * next.step * speed) // the latter spares most divisions
             return;
-        const double step = std::max(value, 0.0) / (-sign * rate);
+        const double step = std::max(value, 0.0) / speed;
         if (step < next.step)
             next = {step, k, event};
     };
@@ -354,6 +368,8 @@ bool PathFollower::refine(const MassNormalisedProblem& problem) {
         const MassNormalisedProblem::Velocity u = problem.velocity(problem.contact(contacts_[k]), w_.data());
         const double un = u.n + prox_[k] * (r_[2 * k] - anchor_[2 * k]) + rest * shift_[2 * k];
         const double ut = u.t + prox_[k] * (r_[2 * k + 1] - anchor_[2 * k + 1]) + rest * shift_[2 * k + 1];
+        trial_[2 * k] = u.n;
+        trial_[2 * k + 1] = u.t;
         stale_[k] = 0;
         u_[2 * k] = status_[k] == ContactStatus::Open ? un : 0.0;
         u_[2 * k + 1] = status_[k] == ContactStatus::Stick ? 0.0 : ut;
@@ -415,7 +431,8 @@ PathFollower::Termination PathFollower::run(const MassNormalisedProblem& problem
         const Termination termination = follow(problem, settings, counts);
         if (termination != Termination::Solved || !refine(problem))
             return termination == Termination::Solved ? Termination::Singular : termination;
-        const double now = errorOf(problem);
+        const double now = errorOfRefined(problem);
+        SC_ASSERT_EXPENSIVE(now == errorOf(problem) || !std::isfinite(now), "nothing has changed since refine()");
         if (!std::isfinite(now))
             return Termination::Singular;
         store(problem, x);

@@ -27,6 +27,7 @@ struct PathSettings {
     int maxOuter = 12;                                        ///< proximal iterations
     int allPivots = std::numeric_limits<int>::max();          ///< limit of all iterations together
     double maxWork = std::numeric_limits<double>::infinity(); ///< the same of the effort, units
+    double error = -1.0; ///< sum d |F|^2 of the guess if it is known, J; negative: it is not
 };
 
 class PathFollower {
@@ -56,6 +57,7 @@ private:
 
     void begin(const MassNormalisedProblem& problem, const PathSettings& settings, const SolverState& x);
     double errorOf(const MassNormalisedProblem& problem) const;
+    double errorOfRefined(const MassNormalisedProblem& problem) const;
     Termination follow(const MassNormalisedProblem& problem, const PathSettings& settings, PathCounts& counts);
     [[nodiscard]] bool direction(const MassNormalisedProblem& problem);
     Breakpoint nextBreakpoint(const MassNormalisedProblem& problem, double sign);

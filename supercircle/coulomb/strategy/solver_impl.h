@@ -49,9 +49,13 @@ struct Solver::Impl {
     int pivotsLeft = 0;
     double maxWork = 0.0; ///< of the solve, units
     bool giveUp = false;  ///< SolverOptions::giveUpEarly
+    bool gaussSeidelIsReady = false;
+    bool bestIsAssembled = false; ///< x is the best solution, with the residual of newly assembled velocities
 
     void run(const SolverOptions& options, SolveReport& report);
     [[nodiscard]] bool evaluateState(Method method, SolveReport& report);
+    [[nodiscard]] bool offerState(Method method, SolveReport& report);
+    GaussSeidel& readyGaussSeidel();
     void restoreBest();
     double islandError(std::span<const std::int32_t> island) const;
     std::size_t activeContacts(std::span<const std::int32_t> island) const;

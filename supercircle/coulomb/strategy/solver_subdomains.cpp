@@ -133,6 +133,7 @@ void Solver::Impl::passSubdomains(std::span<const std::int32_t> island, double a
 /// pivots. A pivot of the whole costs about as much as a tenth of a pass over all subdomains.
 bool Solver::Impl::trySubdomains(std::uint32_t seed, const SolverOptions& options, SolveReport& report) {
     subdomains.prepare(normalised);
+    readyGaussSeidel(); // before several threads use them
     for (std::uint32_t round = 0; round < 4 && mayGoOn(report); ++round) {
         for (std::uint32_t pass = 0; pass < kSubdomainPasses; ++pass) {
             PathCounts counts;

@@ -6,6 +6,7 @@
 #include "supercircle/step/contacts/link_rows.h"
 #include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/overlaps.h"
+#include "supercircle/step/contacts/passed_tips.h"
 #include "supercircle/step/coupling/host_rows.h"
 #include "supercircle/support/invariants.h"
 
@@ -420,6 +421,8 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
     });
     SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size() && stage.candidates.size() >= start.size(),
               "no candidate is lost");
+    if (stage.leavesTips)
+        leaveOutPassedTips(start, stage.curvesMiddle, stage.candidates, stage.gapAtStart);
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,

@@ -63,6 +63,7 @@ struct ContactStage {
     std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
     std::vector<contact::Candidate> after;      ///< at the end of the attempt
     double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
+    bool leavesTips = false; ///< Settings::leavesTips
     std::vector<ContactWork> work;
     std::vector<AdhesionWork> pulls;       ///< of adhesion
     std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)

@@ -254,7 +254,7 @@ double turningWork(const Rod& rod, double dt, RodWork& w) {
 }
 
 bool turnsTooMuch(const Rod& rod, double dt, RodWork& w) {
-    const double work = turningWork(rod, dt, w);
+    const double work = w.turningWork = turningWork(rod, dt, w);
     if (!(work > 0.0))
         return false;
     const double energy = rod::kineticEnergy(w.gauss, w.u1) + rod::bendingEnergy(rod.model, w.q1);

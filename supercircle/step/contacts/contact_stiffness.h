@@ -30,7 +30,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
 /// Energy that both terms bring in with the motion `w.v` that was found, J. They stand for forces that act on rows
 /// which turn, and know the forces of the step before. Where the motion is another one, their work is nobody's.
 [[nodiscard]] double turningWork(const Rod& rod, double dt, RodWork& w);
-/// Whether that is too much: the step has to be linearised about the motion found, or cut.
+/// Whether that is too much: the step has to be linearised about the motion found, or cut. Keeps it in the rod's work.
 [[nodiscard]] bool turnsTooMuch(const Rod& rod, double dt, RodWork& w);
 
 /// The same of one rod, whose geometry was evaluated: begins, adds a point force (N) to the axial force of every

@@ -229,7 +229,8 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         for (int i = 0; i < rod.model.elements(); ++i)
             energies.damping +=
                 dt * rod.dampingTime * rod::bendingStiffness(rod.model, rod.model.elementOfDof(i)) * w.v[i] * w.v[i];
-    energies.rollingWork = turningWork(rod, dt, w);
+    SC_ASSERT_EXPENSIVE(!(std::abs(w.turningWork - turningWork(rod, dt, w)) > 0.0), "judged in the motion accepted");
+    energies.rollingWork = w.turningWork;
     if (w.C.rows() > 0) {
         HoldWork& held = w.held;
         held.rhs = -w.rhs - w.contactImpulse;

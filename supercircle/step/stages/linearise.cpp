@@ -47,6 +47,7 @@ GapErrors gapErrors(const World& world, const TrialStep& t, const std::vector<Co
 /// What a step starts from: all candidates known, or those of them that matter.
 const std::vector<contact::Candidate>& startCandidates(const World& world, const Settings& settings, TrialStep& t) {
     t.stage.addBelow = settings.cull ? settings.margin * t.h : std::numeric_limits<double>::infinity();
+    t.stage.leavesTips = settings.leavesTips();
     if (!t.selects(settings))
         return t.candidates(world);
     if (!settings.cull)
@@ -58,10 +59,10 @@ const std::vector<contact::Candidate>& startCandidates(const World& world, const
 
 /// Whether forces bring in energy because their rows turn.
 bool forcesTurn(const World& world, TrialStep& t) {
+    bool any = false;
     for (std::size_t i = 0; i < t.rods.size(); ++i)
-        if (t.rods[i].solved() && turnsTooMuch(world.rods[i], t.dt, t.rods[i]))
-            return true;
-    return false;
+        any = (t.rods[i].solved() && turnsTooMuch(world.rods[i], t.dt, t.rods[i])) || any;
+    return any;
 }
 
 /// Whether links, mouse joints or effects ask for another linearisation.

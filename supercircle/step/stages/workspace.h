@@ -195,6 +195,7 @@ struct RodWork {
     double moved = 0.0;             ///< largest node displacement over the step, m
     double shift = 0.0;             ///< largest node distance between the linearisation point and the end, m
     double error = 0.0;             ///< local error of backward Euler, m
+    double turningWork = 0.0;       ///< of terms that turn with the rod (contact_stiffness.h), J
     double impactShare = 0.0;       ///< 1/2 r . (u_rel - u_rel,old) of its contacts, J
     GapClosing closing;             ///< of its joints and holds
     bool isFree = false;            ///< touches nothing in this attempt and moves as free_motion.h says

@@ -60,6 +60,15 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
                 experiment::isMechanism(*loaded)
                     ? (free ? "bodies on joints that move freely" : "bodies on joints, one moved by the machine")
                     : (free ? "rods that move freely" : "rods that are moved slowly, their vibration damped"));
+    if (!experiment::furtherChannels(*loaded).empty()) {
+        const auto tell = [](const experiment::Channel& c, double noise) {
+            std::printf("  compared: %s, column %s, noise of about %.3g %s, weight %g\n", c.name.c_str(),
+                        c.column.c_str(), c.perUnit * noise, c.unit.c_str(), c.weight);
+        };
+        tell(experiment::channel(*loaded), loaded->sensors.forceNoise);
+        for (const experiment::FurtherChannel& c : experiment::furtherChannels(*loaded))
+            tell(c.channel, c.noise);
+    }
     for (const experiment::Run& run : loaded->runs)
         std::printf(
             "  %-16s %zu samples, %g s%s%s\n", run.file.c_str(), run.readings.time.size(),

@@ -74,6 +74,19 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
         force.names.insert(force.names.begin() + 1, "displacement_mm");
         force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, 1e3));
     }
+    for (std::size_t i = 0; i < run.readings.further.size(); ++i) {
+        const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;
+        std::vector<double> there =
+            i < done.simulated.readings.further.size() ? done.simulated.readings.further[i] : std::vector<double>{};
+        there.resize(run.readings.time.size(), std::numeric_limits<double>::quiet_NaN());
+        for (const auto& [word, column] :
+             {std::pair<const char*, const std::vector<double>*>{"_recorded_", &run.readings.further[i]},
+              {"_simulated_", &there},
+              {"_residual_", &done.comparison.further[i].residual}}) {
+            force.names.push_back(own.name + word + own.unit);
+            force.columns.push_back(scaled(*column, own.perUnit));
+        }
+    }
     if (const std::string why = put(done.name + "_replay.csv", force); !why.empty())
         return why;
     if (done.simulated.markers.x.empty() || done.simulated.markers.time.empty())
@@ -132,6 +145,11 @@ void print(const Replay& replay, const std::string& folder) {
         std::printf("%s: peak %.4g %s recorded, %.4g %s simulated; rms error %.3g %s (%.2f %%), largest %.3g %s",
                     run.name.c_str(), k * c.peakRecorded, unit, k * c.peakSimulated, unit, k * c.rmse, unit,
                     100.0 * c.rmse / std::max(c.peakRecorded, 1e-300), k * c.maxError, unit);
+        for (std::size_t i = 0; i < c.further.size(); ++i) {
+            const experiment::Channel& own = experiment::furtherChannels(replay.experiment)[i].channel;
+            std::printf("; %s: rms error %.3g %s (%.2f %%)", own.name.c_str(), own.perUnit * c.further[i].rmse,
+                        own.unit.c_str(), 100.0 * c.further[i].rmse / std::max(c.further[i].peakRecorded, 1e-300));
+        }
         for (const auto& [i, j] : c.matches)
             std::printf("; jump at %.3f mm recorded, %.3f mm simulated", 1e3 * c.recorded[i].displacement,
                         1e3 * c.simulated[j].displacement);

@@ -40,11 +40,15 @@ struct RecordedRun {
     Eigen::VectorXd markers;             ///< m, ordered as Response::markers; NaN: not seen
     std::vector<int> segmentOfMarkerRow; ///< index of the segment of each marker row
     std::size_t markerCount = 0;         ///< markers.size() = 2 markerCount markerTime.size()
+    Eigen::VectorXd further;             ///< of RecordedData::further, in the rows of `force`, one after another
+    std::size_t furtherCount = 0;        ///< further.size() = furtherCount force.size()
     bool specimenReversed = false;       ///< its specimens are mounted end for end
     std::string specimen;                ///< scenes: id of its specimen; empty: all runs have the same
     experiment::NaturalUnits units;      ///< of the set-up
 
-    [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size(); }
+    [[nodiscard]] Eigen::Index rows() const { return force.size() + markers.size() + further.size(); }
+    /// The run with a further channel in place of the force, without markers.
+    [[nodiscard]] RecordedRun withChannel(std::size_t channel) const;
     /// Sampling interval of the force, s.
     [[nodiscard]] double spacing() const {
         return time.size() > 1 ? (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1) : 1.0;
@@ -72,25 +76,37 @@ private:
 /// @param markers number of its tracks to use
 /// @param free nothing is driven
 /// @param perUnit unit of the reading per SI unit
+/// @param further the same of channels beside the first one
 RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit,
-                        const experiment::NaturalUnits& units);
+                        const experiment::NaturalUnits& units, const std::vector<double>& further = {});
 
 /// Whether the testing machine follows the same motion in both.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
 
+/// A channel beside the first one.
+struct FurtherColumn {
+    std::string name, unit;
+    double statedNoise = 0.0; ///< in its unit; 0: not stated
+    double weight = 1.0;      ///< of its log-likelihood; 0: not compared
+};
+
 struct RecordedData {
     std::vector<RecordedRun> runs;
-    std::string channel = "force";   ///< what RecordedRun::force holds
-    std::string unit = "N";          ///< unit of that channel; degrees or mm for poses of free scenes
-    bool free = false;               ///< bodies move freely, and the simulation has no discretisation error
-    double statedForceNoise = 0.0;   ///< N, within about 30 %; 0: not stated
-    double statedMarkerNoise = 0.0;  ///< m
-    double displacementNoise = 0.0;  ///< m
-    double zeroHalfWidth = 0.0;      ///< N, stated, of the zero of a run; 0: not stated
-    double zeroWindow = 0.0;         ///< s, interval whose mean force is subtracted from the run
-    experiment::NaturalUnits units;  ///< of the set-up
-    std::vector<double> arcFraction; ///< of each marker
+    std::string channel = "force";      ///< what RecordedRun::force holds
+    std::string unit = "N";             ///< unit of that channel; degrees or mm for poses of free scenes
+    bool free = false;                  ///< bodies move freely, and the simulation has no discretisation error
+    double statedForceNoise = 0.0;      ///< N, within about 30 %; 0: not stated
+    double statedMarkerNoise = 0.0;     ///< m
+    double displacementNoise = 0.0;     ///< m
+    double zeroHalfWidth = 0.0;         ///< N, stated, of the zero of a run; 0: not stated
+    double zeroWindow = 0.0;            ///< s, interval whose mean force is subtracted from the run
+    experiment::NaturalUnits units;     ///< of the set-up
+    double weight = 1.0;                ///< of the log-likelihood of the channel
+    std::vector<FurtherColumn> further; ///< channels beside it
+    std::vector<double> arcFraction;    ///< of each marker
     std::vector<std::string> markerNames;
+    /// The recordings with a further channel in place of the first one, without markers.
+    [[nodiscard]] RecordedData withChannel(std::size_t channel) const;
     /// Name of a marker coordinate: x and y of the first marker, of the second, ...
     [[nodiscard]] std::string markerChannel(Eigen::Index coordinate) const;
     /// The first run with the same drive, mounting and specimen; the run itself if there is none before it.

@@ -580,6 +580,8 @@ void Procedure::present() {
     out_.similarity = presentSimilarity(*likelihood_, baseline_, shown);
     out_.runs =
         presentCurves(*likelihood_, baseline_, out_.improved ? &hypotheses_[entries_.front().model].fit : nullptr);
+    out_.further =
+        furtherErrorsOf(*likelihood_, baseline_, out_.improved ? &hypotheses_[entries_.front().model].fit : nullptr);
     if (out_.misfit.p <= kFamilyWise && out_.misfit.significant.empty())
         out_.misfit.significant = windowsOfEffect(data_, out_.runs, out_.misfit);
 }

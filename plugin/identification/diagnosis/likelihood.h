@@ -62,10 +62,15 @@ public:
     [[nodiscard]] Eigen::Index countedRows() const;
     [[nodiscard]] Eigen::Index countedRowsIn(std::size_t run) const;
     [[nodiscard]] const ModelError& errors(std::size_t run) const { return runModels_[run].errors; }
-    /// The rows of a run are those of its force, its markers and its jumps, in this order.
+    /// The rows of a run are those of its force, its markers, its further channels and its jumps, in this order.
     [[nodiscard]] bool isForce(std::size_t run, Eigen::Index row) const { return row < data_.runs[run].force.size(); }
-    [[nodiscard]] bool isMarker(std::size_t run, Eigen::Index row) const {
-        return !isForce(run, row) && row < data_.runs[run].rows();
+    [[nodiscard]] bool isMarker(std::size_t run, Eigen::Index row) const { return channelOf(run, row) == 1; }
+    /// 0: force and jumps, 1: markers, then the further channels.
+    [[nodiscard]] std::size_t channelOf(std::size_t run, Eigen::Index row) const;
+    /// Time of a row that is no jump, s.
+    [[nodiscard]] double timeOfReading(std::size_t run, Eigen::Index row) const;
+    [[nodiscard]] const ModelError& furtherErrors(std::size_t run, std::size_t channel) const {
+        return runModels_[run].further[channel].errors;
     }
     [[nodiscard]] bool counts(std::size_t run, Eigen::Index row) const;
     [[nodiscard]] std::size_t stroke(std::size_t run, Eigen::Index row) const; ///< of the drive
@@ -76,13 +81,24 @@ public:
     [[nodiscard]] double signalNorm() const;
 
 private:
-    struct RunModel {
+    /// Errors of one channel of a run.
+    struct ChannelModel {
         ModelError errors;
         Whitening force;
         double zero = 0.0; ///< see zeroOf()
         /// Whitened effects of the nuisance parameters at one prior sigma: zero, clock, scale.
         Eigen::MatrixXd nuisance;
         Eigen::MatrixXd shrinkage; ///< u - nuisance shrinkage nuisance' u removes their part
+
+        ChannelModel() = default;
+        /// @param data of which this is the first channel
+        ChannelModel(const RecordedData& data, const RecordedRun& run, const Noise& noise, const Response& fine,
+                     const Response& finer, double peak, const LikelihoodSettings& settings);
+        [[nodiscard]] Eigen::VectorXd whiten(Eigen::VectorXd raw) const;
+        [[nodiscard]] Eigen::VectorXd transposed(Eigen::VectorXd whitened) const;
+    };
+    struct RunModel : ChannelModel {
+        std::vector<ChannelModel> further;
         struct CommonShift {
             Eigen::Index from = 0, to = 0; ///< marker rows [from, to)
             double sigma = 0.0;            ///< m, prior standard deviation of their shift
@@ -103,6 +119,12 @@ private:
     void addJumps(const RecordedRun& run, const Response& fine, const Response& finer, const LikelihoodSettings& s,
                   RunModel& model) const;
     static void addSnapShifts(const RecordedRun& run, double sigma, RunModel& model);
+    /// Rows of a further channel in a run.
+    template <class Rows>
+    [[nodiscard]] auto partOf(std::size_t run, std::size_t channel, Rows&& rows) const {
+        const Eigen::Index n = data_.runs[run].force.size();
+        return rows.segment(n + data_.runs[run].markers.size() + static_cast<Eigen::Index>(channel) * n, n);
+    }
     static void removeShift(const RunModel& model, const RunModel::CommonShift& shift,
                             Eigen::Ref<Eigen::VectorXd> markers);
     static void addStrokeShifts(const RecordedRun& run, double sigma, RunModel& model);

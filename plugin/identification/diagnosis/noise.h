@@ -40,6 +40,7 @@ struct Noise {
         double white = 0.0, correlated = 0.0, correlationTime = 0.0;
     };
     std::vector<PosteriorDraw> posterior{};
+    std::vector<Noise> further{}; ///< of channels beside the first one, in their units
     [[nodiscard]] double total() const;
     /// White noise of the same size (ablation of the whitening).
     [[nodiscard]] Noise asWhite() const;

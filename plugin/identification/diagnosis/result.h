@@ -105,9 +105,10 @@ struct TimeInterval {
     double from = 0.0, to = 0.0;
 };
 
-/// Residual of one coordinate of one marker, in rows of its run's `markerTime`.
+/// Residual of one coordinate of one marker, or of a further channel.
 struct MarkerCurve {
     std::string channel;                            ///< "M1_x", as in windows
+    bool ofMarker = true;                           ///< in rows of `markerTime`; else of `time`
     double arcFraction = -1.0;                      ///< -1: the marker is on a body
     std::vector<double> residual, residualImproved; ///< whitened; improved empty: none
     std::vector<bool> counts;
@@ -124,6 +125,13 @@ struct RunCurves {
     std::vector<MarkerCurve> markers;
     /// Intervals in which the most probable effect is visible in the reading, beyond nominal parameters.
     std::vector<TimeInterval> visibleIntervals;
+};
+
+/// Errors of a further channel, in its unit, in rows that count.
+struct ChannelError {
+    std::string name, unit;
+    double noise = 0.0;                    ///< standard deviation
+    double baseline = 0.0, improved = 0.0; ///< root mean square; improved 0: there is none
 };
 
 struct Homogeneity {
@@ -185,6 +193,7 @@ struct Diagnosis {
     std::vector<std::string> similarityLabels;
     std::vector<std::vector<double>> similarity; ///< cosines between the fitted effects' signatures
     std::vector<RunCurves> runs;
+    std::vector<ChannelError> further; ///< channels beside `channel`
     std::vector<std::string> notes;
     std::uint64_t seed = 1;
     double elapsed = 0.0;    ///< s

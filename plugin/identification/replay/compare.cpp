@@ -109,6 +109,31 @@ void compareMarkers(const Run& run, const Simulated& simulated, const std::vecto
     c.markerRmse = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
 }
 
+void compareFurther(const Run& run, const Readings& simulated, Comparison& c) {
+    for (std::size_t i = 0; i < run.readings.further.size(); ++i) {
+        const std::vector<double>& recorded = run.readings.further[i];
+        const std::vector<double> none, &there = i < simulated.further.size() ? simulated.further[i] : none;
+        ChannelComparison out;
+        out.peakRecorded = peak(recorded);
+        out.peakSimulated = peak(there);
+        out.residual.assign(recorded.size(), std::numeric_limits<double>::quiet_NaN());
+        double sum = 0.0, count = 0.0;
+        for (std::size_t k = 0; k < recorded.size() && k < there.size(); ++k) {
+            const double e = out.residual[k] = there[k] - recorded[k];
+            if (!std::isfinite(e) || c.excluded[k])
+                continue;
+            sum += e * e;
+            count += 1.0;
+            if (std::abs(e) > out.maxError) {
+                out.maxError = std::abs(e);
+                out.maxErrorAt = run.readings.time[k];
+            }
+        }
+        out.rmse = count > 0.0 ? std::sqrt(sum / count) : 0.0;
+        c.further.push_back(std::move(out));
+    }
+}
+
 } // namespace
 
 std::vector<Landmark> findLandmarks(const Readings& r, double share) {
@@ -197,6 +222,7 @@ Comparison compare(const Run& run, const Simulated& simulated, const ExclusionWi
     c.matches = matchLandmarks(c.recorded, c.simulated, window.farthest);
     const std::vector<Interval> windowed = windows(c, window);
     compareForces(run, simulated.readings, windowed, c);
+    compareFurther(run, simulated.readings, c);
     compareMarkers(run, simulated, windowed, c);
     return c;
 }

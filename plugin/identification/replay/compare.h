@@ -34,6 +34,13 @@ std::vector<double> jumpTimes(const Simulated& simulated);
 std::vector<std::pair<std::size_t, std::size_t>> matchLandmarks(const std::vector<Landmark>& a,
                                                                 const std::vector<Landmark>& b, double farthest);
 
+/// Errors of a channel beside the first one, SI unit, in rows that are not excluded.
+struct ChannelComparison {
+    double peakRecorded = 0.0, peakSimulated = 0.0, rmse = 0.0;
+    double maxError = 0.0, maxErrorAt = 0.0; ///< s, its time
+    std::vector<double> residual;            ///< simulated minus recorded; NaN where one is missing
+};
+
 struct Comparison {
     double peakRecorded = 0.0; ///< N, largest |force|
     double peakSimulated = 0.0;
@@ -50,6 +57,7 @@ struct Comparison {
     std::vector<std::pair<std::size_t, std::size_t>> matches; ///< indices of the same event in recorded and simulated
     std::vector<double> residual; ///< N, simulated minus recorded force; NaN where one is missing
     std::vector<bool> excluded;   ///< whether a row is excluded
+    std::vector<ChannelComparison> further;
 };
 
 /// Errors of a law that was found elsewhere, where only the stated numbers are fitted, in the unit of the channel.

@@ -286,29 +286,33 @@ private:
     /// What instruments see of the specimens.
     void addMarkers(double at) {
         if (e_.scene && e_.scene->observation.of == scene::Observation::Of::Shell)
-            observe();
+            observe(e_.scene->observation, trace_.observed);
+        const std::vector<experiment::FurtherChannel>& further = experiment::furtherChannels(e_);
+        trace_.further.resize(further.size());
+        for (std::size_t k = 0; k < further.size(); ++k)
+            if (further[k].observation.of == scene::Observation::Of::Shell)
+                observe(further[k].observation, trace_.further[k]);
         trace_.time.push_back(at);
         trace_.markers.resize(e_.markers.size());
         for (std::size_t m = 0; m < e_.markers.size(); ++m)
             trace_.markers[m].push_back(rig_.point(e_.markers[m].specimen, e_.markers[m].arcFraction));
     }
 
-    void observe() {
+    void observe(const scene::Observation& o, Track& track) {
         using Quantity = scene::Observation::Quantity;
-        const scene::Observation& o = e_.scene->observation;
         std::size_t i = 0;
         while (i + 1 < e_.specimens.size() && e_.specimens[i].id != o.target)
             ++i;
         if (o.quantity == Quantity::Angle) {
-            trace_.observed.value.push_back(rig_.angle(i, o.arc_fraction));
+            track.value.push_back(rig_.angle(i, o.arc_fraction));
             if (rig_.inMotion())
-                trace_.observed.rate.push_back(rig_.spin(i, o.arc_fraction));
+                track.rate.push_back(rig_.spin(i, o.arc_fraction));
             return;
         }
         const int axis = o.quantity == Quantity::X ? 0 : 1;
-        trace_.observed.value.push_back(rig_.point(i, o.arc_fraction)[axis]);
+        track.value.push_back(rig_.point(i, o.arc_fraction)[axis]);
         if (rig_.inMotion())
-            trace_.observed.rate.push_back(rig_.velocity(i, o.arc_fraction)[axis]);
+            track.rate.push_back(rig_.velocity(i, o.arc_fraction)[axis]);
     }
 
     /// Records the force of a step and its reliability (decision 0151).

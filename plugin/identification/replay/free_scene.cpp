@@ -36,15 +36,22 @@ constexpr double kOfShortestDriven = 0.2;
 class Recorder {
 public:
     Recorder(const Experiment& e, const Multibody& multibody)
-        : e_(e), linkage_(multibody), tracks_(1 + 2 * e.markers.size()), observation_(e.scene->observation),
-          body_(observation_.of == Observation::Of::Body ? multibody.find(observation_.target) : 0) {
+        : e_(e), linkage_(multibody), tracks_(1 + 2 * e.markers.size() + e.scene->further.size()) {
+        const auto watch = [&](const Observation& o) {
+            observed_.push_back({o, o.of == Observation::Of::Body ? multibody.find(o.target) : 0});
+        };
+        watch(e.scene->observation);
+        for (const experiment::FurtherChannel& c : e.scene->further)
+            watch(c.observation);
         for (const experiment::Marker& m : e.markers)
             carriers_.push_back(multibody.find(m.body));
     }
 
     void read() {
         time.push_back(linkage_.time());
-        observe();
+        observe(0, observed_.front());
+        for (std::size_t k = 1; k < observed_.size(); ++k)
+            observe(further(k - 1), observed_[k]);
         for (std::size_t m = 0; m < e_.markers.size(); ++m) {
             const Multibody::Pose b = linkage_.pose(carriers_[m]);
             const double c = math::cos(b.angle), s = math::sin(b.angle);
@@ -54,42 +61,8 @@ public:
             put(2 + 2 * m, b.origin.y() + r.y(), b.velocity.y() + b.spin * r.x());
         }
     }
-    /// The channel that is compared.
-    void observe() {
-        const Quantity q = observation_.quantity;
-        if (q == Quantity::Force || q == Quantity::Travel) {
-            tracks_[0].value.push_back(q == Quantity::Travel ? linkage_.travel() : linkage_.forces(body_).machine);
-            return;
-        }
-        const Multibody::Pose p = linkage_.pose(body_);
-        const Vec2 r = rotated({observation_.local.x, observation_.local.y}, p.angle);
-        const Vec2 position = p.origin + r, velocity = p.velocity + crossSpin(p.spin, r);
-        switch (q) {
-        case Quantity::Angle:
-            return put(0, p.angle, p.spin);
-        case Quantity::X:
-            return put(0, position.x(), velocity.x());
-        case Quantity::Y:
-            return put(0, position.y(), velocity.y());
-        default:
-            break;
-        }
-        const Multibody::Forces f = linkage_.forces(body_);
-        const Vec2 acceleration = f.acceleration + crossSpin(f.angularAcceleration, r) - p.spin * p.spin * r;
-        switch (q) {
-        case Quantity::Spin:
-            return put(0, p.spin, f.angularAcceleration);
-        case Quantity::Vx:
-            return put(0, velocity.x(), acceleration.x());
-        case Quantity::Vy:
-            return put(0, velocity.y(), acceleration.y());
-        case Quantity::AngularAcceleration:
-            tracks_[0].value.push_back(f.angularAcceleration);
-            return;
-        default:
-            tracks_[0].value.push_back(q == Quantity::Ax ? acceleration.x() : acceleration.y());
-        }
-    }
+    /// Track of channel `index` beside the first one.
+    [[nodiscard]] std::size_t further(std::size_t index) const { return 1 + 2 * e_.markers.size() + index; }
     /// Values of a channel at increasing times; times after the last step are omitted.
     [[nodiscard]] std::vector<double> sampled(std::size_t channel, const std::vector<double>& times) const {
         std::vector<double> out;
@@ -107,6 +80,47 @@ public:
     std::vector<double> time;
 
 private:
+    struct Observed {
+        Observation what;
+        int body = 0;
+    };
+
+    /// A channel that is compared.
+    void observe(std::size_t track, const Observed& o) {
+        const Quantity q = o.what.quantity;
+        if (q == Quantity::Force || q == Quantity::Travel) {
+            tracks_[track].value.push_back(q == Quantity::Travel ? linkage_.travel() : linkage_.forces(o.body).machine);
+            return;
+        }
+        const Multibody::Pose p = linkage_.pose(o.body);
+        const Vec2 r = rotated({o.what.local.x, o.what.local.y}, p.angle);
+        const Vec2 position = p.origin + r, velocity = p.velocity + crossSpin(p.spin, r);
+        switch (q) {
+        case Quantity::Angle:
+            return put(track, p.angle, p.spin);
+        case Quantity::X:
+            return put(track, position.x(), velocity.x());
+        case Quantity::Y:
+            return put(track, position.y(), velocity.y());
+        default:
+            break;
+        }
+        const Multibody::Forces f = linkage_.forces(o.body);
+        const Vec2 acceleration = f.acceleration + crossSpin(f.angularAcceleration, r) - p.spin * p.spin * r;
+        switch (q) {
+        case Quantity::Spin:
+            return put(track, p.spin, f.angularAcceleration);
+        case Quantity::Vx:
+            return put(track, velocity.x(), acceleration.x());
+        case Quantity::Vy:
+            return put(track, velocity.y(), acceleration.y());
+        case Quantity::AngularAcceleration:
+            tracks_[track].value.push_back(f.angularAcceleration);
+            return;
+        default:
+            tracks_[track].value.push_back(q == Quantity::Ax ? acceleration.x() : acceleration.y());
+        }
+    }
     void put(std::size_t channel, double value, double rate) {
         tracks_[channel].value.push_back(value);
         tracks_[channel].rate.push_back(rate);
@@ -114,8 +128,7 @@ private:
     const Experiment& e_;
     const Multibody& linkage_;
     std::vector<Track> tracks_;
-    const Observation& observation_;
-    int body_;
+    std::vector<Observed> observed_;
     std::vector<int> carriers_;
 };
 
@@ -145,6 +158,11 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
     for (std::size_t k = 0; k < out.trace.time.size(); ++k) {
         double& v = out.trace.force[k];
         v = p.readingZero + (model.on() ? steps.read(out.trace.time[k], v) : v);
+    }
+    for (std::size_t k = 0; k < e.scene->further.size(); ++k) {
+        r.further.push_back(recorder.sampled(recorder.further(k), r.time));
+        for (double& v : r.further.back())
+            v += p.furtherZero[k];
     }
     out.markers.time = run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
     for (std::size_t m = 0; m < e.markers.size(); ++m) {
@@ -260,11 +278,14 @@ Simulated simulateFree(const Experiment& e, std::size_t index, const Parameters&
     Multibody multibody(scene->rigid, extra.bodies, extra.contact.friction);
     if (out.failure = multibody.failure(); !out.failure.empty())
         return out;
-    const Observation& observed = e.scene->observation;
-    if (observed.of == Observation::Of::Body && multibody.find(observed.target) < 0) {
-        out.failure = "there is no body \"" + observed.target + "\"";
-        return out;
-    }
+    std::vector<const Observation*> observed = {&e.scene->observation};
+    for (const experiment::FurtherChannel& c : e.scene->further)
+        observed.push_back(&c.observation);
+    for (const Observation* o : observed)
+        if (o->of == Observation::Of::Body && multibody.find(o->target) < 0) {
+            out.failure = "there is no body \"" + o->target + "\"";
+            return out;
+        }
     if (e.scene->driven) {
         const effects::DriveMotion drive =
             effects::motionBehindBacklash({run.driveTime, run.driveDisplacement}, extra.apparatus.backlash);

@@ -97,6 +97,11 @@ std::string nameOf(const SceneValue& v, const Experiment& e) {
                            : v.name + (v.run < 0 ? "" : "_run" + std::to_string(v.run + 1));
 }
 
+/// Name of the zero of a further channel.
+std::string zeroOf(const experiment::FurtherChannel& c) {
+    return "reading_zero." + c.observe;
+}
+
 Target findInScene(Parameters& p, const Experiment& e, const std::string& name) {
     for (SceneValue& v : p.scene)
         if (nameOf(v, e) == name)
@@ -106,6 +111,9 @@ Target findInScene(Parameters& p, const Experiment& e, const std::string& name) 
             return {{&s.value(p)}, false, s.notNegative};
     if (name == "reading_zero")
         return {{&p.readingZero}};
+    for (std::size_t k = 0; k < e.scene->further.size() && k < p.furtherZero.size(); ++k)
+        if (name == zeroOf(e.scene->further[k]))
+            return {{&p.furtherZero[k]}};
     return {};
 }
 
@@ -148,6 +156,8 @@ std::vector<ParameterInfo> sceneList(const Experiment& e) {
         if (ofScene(s, e))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
     all.push_back({"reading_zero", unitOf(e.scene->observation.quantity), "reading at pose zero", e.scene->zero});
+    for (const experiment::FurtherChannel& c : e.scene->further)
+        all.push_back({zeroOf(c), unitOf(c.observation.quantity), "the same of " + c.observe, c.zero});
     return all;
 }
 
@@ -189,6 +199,8 @@ Parameters nominal(const Experiment& e) {
                 {s.name, run, ofBatch ? std::numeric_limits<double>::quiet_NaN() : s.stated.value, specimen});
         });
         p.readingZero = e.scene->zero.value;
+        for (const experiment::FurtherChannel& c : e.scene->further)
+            p.furtherZero.push_back(c.zero.value);
         return p;
     }
     p.friction = e.friction.value;

@@ -44,6 +44,7 @@ struct Parameters {
     double touchCompliance = 0.0;
     std::vector<SceneValue> scene;         ///< free scenes: as described, common parameters first
     double readingZero = 0.0;              ///< rad or m, free scenes: the reading at pose zero
+    std::vector<double> furtherZero;       ///< the same of channels beside the first one
     std::vector<effects::Setting> effects; ///< effects; specimens are named by their ids
 };
 
@@ -63,7 +64,7 @@ Parameters nominal(const experiment::Experiment& experiment);
 /// All names: shared ones ("friction", "bending_modulus", ...) that set all specimens at once, and with several
 /// specimens one each ("bending_modulus.B"). The stated interval of a shared name is the first specimen's. Free scenes
 /// have the parameters of their description, those of specimen B as "NAME.B", those of run 2 as "NAME_run2", and
-/// "reading_zero".
+/// "reading_zero", of a further channel "reading_zero.NAME".
 std::vector<ParameterInfo> parameterList(const experiment::Experiment& experiment);
 
 /// Sets a parameter by name, "KEY:NAME" for one of an effect, which is added. Returns an error text or nothing: unknown

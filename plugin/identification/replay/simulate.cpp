@@ -25,6 +25,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <utility>
 
 namespace supercircle::replay {
@@ -118,6 +119,31 @@ void readObserved(const Trace& trace, const Run& run, const effects::SensorModel
         effects::SensorChain chain(sensor);
         for (std::size_t k = 0; k < rows->time.size() && sensor.on(); ++k)
             rows->force[k] = chain.read(rows->time[k], rows->force[k]);
+    }
+}
+
+/// Channels beside the first one: of a shell, the machine's force (as a load cell reads it) or the travel.
+void readFurther(const Trace& trace, const Experiment& e, const Run& run, const Parameters& p, Simulated& out) {
+    const std::vector<double>& times = out.readings.time;
+    const Weights shells(trace.time, times);
+    std::vector<double> forceTimes;
+    for (const ForceSample& reading : trace.forces)
+        forceTimes.push_back(reading.time);
+    const Weights forces(forceTimes, times);
+    for (std::size_t k = 0; k < e.scene->further.size(); ++k) {
+        const scene::Observation& o = e.scene->further[k].observation;
+        std::vector<double> column;
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            double v = std::numeric_limits<double>::quiet_NaN();
+            if (o.of == scene::Observation::Of::Shell && i < shells.row.size())
+                v = trace.further[k].at(trace.time, shells.row[i], times[i]);
+            else if (o.quantity == scene::Observation::Quantity::Travel)
+                v = experiment::commanded(run, times[i]);
+            else if (o.of == scene::Observation::Of::Machine && i < forces.row.size())
+                v = forces.at(i, [&](std::size_t row) { return trace.forces[row].force; });
+            column.push_back(v + p.furtherZero[k]);
+        }
+        out.readings.further.push_back(std::move(column));
     }
 }
 
@@ -248,6 +274,8 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         for (experiment::Readings* rows : {&out.readings, &out.trace})
             for (double& v : rows->force)
                 v += parameters.readingZero;
+        if (!experiment::furtherChannels(e).empty())
+            readFurther(trace, e, e.runs[run], parameters, out);
     }
     out.failure = rig.failure();
     out.steps = rig.counters().steps;

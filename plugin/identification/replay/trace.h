@@ -24,6 +24,7 @@ struct Trace {
     std::vector<ForceSample> forces;
     std::vector<double> time;                    ///< s, of the markers and of `observed`
     Track observed;                              ///< m or rad, of a scene that observes a shell
+    std::vector<Track> further;                  ///< of channels beside the first one; empty: not of a shell
     std::vector<std::vector<rod::Vec2>> markers; ///< m, per marker
 };
 

@@ -178,14 +178,18 @@ AxisRange markerRange(const std::vector<std::vector<double>>& shown) {
     return {std::min(range.lo, -5.0), std::max(range.hi, 5.0)};
 }
 
-void markerLegend(Canvas& canvas, const Diagnosis& d, bool improved) {
+void markerLegend(Canvas& canvas, const Diagnosis& d, const RunCurves& c, bool improved) {
     double x = 50.0;
     const auto entry = [&](const std::string& word, const Colour& colour) {
         canvas.line({x, 20.0}, {x + 24.0, 20.0}, {colour, 1.4});
         canvas.text({x + 30.0, 24.0}, word, {theme::labelSize, theme::muted});
         x += 50.0 + graphics::textWidth(word, theme::labelSize);
     };
-    entry("markers over time (s): residual without extra physics (sigma)", theme::loading);
+    const bool markers = std::any_of(c.markers.begin(), c.markers.end(), [](const auto& m) { return m.ofMarker; });
+    const bool further = std::any_of(c.markers.begin(), c.markers.end(), [](const auto& m) { return !m.ofMarker; });
+    entry(std::string(markers ? "markers" : "") + (markers && further ? " and " : "") +
+              (further ? "further channels" : "") + " over time (s): residual without extra physics (sigma)",
+          theme::loading);
     if (improved)
         entry("with " + improvedBy(d), theme::unloading);
 }
@@ -193,7 +197,7 @@ void markerLegend(Canvas& canvas, const Diagnosis& d, bool improved) {
 void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const RunCurves& c = d.runs[r];
     const bool improved = !c.improved.empty();
-    markerLegend(canvas, d, improved);
+    markerLegend(canvas, d, c, improved);
     std::vector<std::vector<double>> before, after, all;
     for (const diagnosis::MarkerCurve& m : c.markers) {
         before.push_back(smoothed(m.residual, m.counts));
@@ -205,8 +209,8 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     for (std::size_t i = 0; i < c.markers.size(); ++i) {
         const double x = 50.0 + (kPanelWidth + kPanelGap) * static_cast<double>(i % kPanels);
         const double y = kPanelsTop + (kPanelHeight + kPanelGap) * static_cast<double>(i / kPanels);
-        const Plot plot({x, y, kPanelWidth, kPanelHeight},
-                        graphics::padded({c.markerTime.front(), c.markerTime.back()}, 0.01), range);
+        const std::vector<double>& time = c.markers[i].ofMarker ? c.markerTime : c.time;
+        const Plot plot({x, y, kPanelWidth, kPanelHeight}, graphics::padded({time.front(), time.back()}, 0.01), range);
         markWindows(canvas, plot, d, c.name, c.markers[i].channel);
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
         canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
@@ -218,9 +222,9 @@ void drawMarkers(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         canvas.text({x, y - 5.0}, c.markers[i].channel + (place < 0.0 ? "" : ", arc fraction " + fixed(place, 2)),
                     {theme::tickSize, theme::ink});
         canvas.pushClip(plot.area);
-        plot.drawLine(canvas, c.markerTime, before[i], {theme::loading, 1.3});
+        plot.drawLine(canvas, time, before[i], {theme::loading, 1.3});
         if (improved)
-            plot.drawLine(canvas, c.markerTime, after[i], {theme::unloading, 1.3});
+            plot.drawLine(canvas, time, after[i], {theme::unloading, 1.3});
         canvas.popClip();
     }
 }

@@ -165,10 +165,13 @@ Json nextOf(const diagnosis::NextExperiment& next) {
 }
 
 Json noiseOf(const Diagnosis& d) {
-    return {{d.channel + "_std_" + d.unit, d.noise.total()}, {"white_std", d.noise.white},
-            {"correlated_std", d.noise.correlated},          {"correlation_time_s", d.noise.correlationTime},
-            {"excess_kurtosis", d.noise.excessKurtosis},     {"source", d.noise.source},
-            {"marker_std_mm", 1e3 * d.noise.marker}};
+    Json json = {{d.channel + "_std_" + d.unit, d.noise.total()}, {"white_std", d.noise.white},
+                 {"correlated_std", d.noise.correlated},          {"correlation_time_s", d.noise.correlationTime},
+                 {"excess_kurtosis", d.noise.excessKurtosis},     {"source", d.noise.source},
+                 {"marker_std_mm", 1e3 * d.noise.marker}};
+    for (const diagnosis::ChannelError& c : d.further)
+        json[c.name + "_std_" + c.unit] = c.noise;
+    return json;
 }
 
 Json fitOf(const Diagnosis& d) {
@@ -176,11 +179,16 @@ Json fitOf(const Diagnosis& d) {
     const auto errors = [&](double training, double heldOut) {
         return Json{{"training_rmse" + unit, finite(training)}, {"heldout_rmse" + unit, finite(heldOut)}};
     };
-    return {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},
-            {"improved", errors(d.improvedTraining, d.improvedHeldOut)},
-            {"noise_floor_rmse" + unit, d.noise.total()},
-            {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
-            {"baseline_chi2_per_reading", finite(d.baselineChiSquaredPerReading)}};
+    Json json = {{"baseline", errors(d.baselineTraining, d.baselineHeldOut)},
+                 {"improved", errors(d.improvedTraining, d.improvedHeldOut)},
+                 {"noise_floor_rmse" + unit, d.noise.total()},
+                 {"improvement_ci90", {d.improvementCi.low, d.improvementCi.high}},
+                 {"baseline_chi2_per_reading", finite(d.baselineChiSquaredPerReading)}};
+    for (const diagnosis::ChannelError& c : d.further)
+        json["channels"][c.name] = {
+            {"baseline_training_rmse_" + c.unit, finite(c.baseline)},
+            {"improved_training_rmse_" + c.unit, d.improved ? finite(c.improved) : finite(c.baseline)}};
+    return json;
 }
 
 /// Forecasts of free runs from their beginnings.

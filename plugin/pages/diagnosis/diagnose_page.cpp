@@ -61,8 +61,18 @@ std::string errorTable(const Diagnosis& d) {
             acting += " and " + diagnosis::plainWords(label);
         row("with " + escaped(acting), d.improvedTraining, d.improvedHeldOut);
     }
-    html += "</table><p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", estimated from " +
-            escaped(d.noise.source) + ".";
+    html += "</table>";
+    if (!d.further.empty()) {
+        html +=
+            "<table><tr><th>training error of</th><th>without extra physics</th><th>with it</th><th>noise</th></tr>";
+        for (const diagnosis::ChannelError& c : d.further)
+            html += "<tr><td>" + escaped(c.name) + "</td><td>" + rounded(c.baseline, 4) + " " + c.unit + "</td><td>" +
+                    (d.improved ? rounded(c.improved, 4) + " " + c.unit : std::string()) + "</td><td>" +
+                    rounded(c.noise, 4) + " " + c.unit + "</td></tr>";
+        html += "</table>";
+    }
+    html +=
+        "<p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", estimated from " + escaped(d.noise.source) + ".";
     if (d.improved)
         html += " Weighted by noise, its correlation and the model error, the held-out error falls by " +
                 fixed(100.0 * d.improvement, 0) + " % (90 % interval " + fixed(100.0 * d.improvementCi.low, 0) +

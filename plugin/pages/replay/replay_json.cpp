@@ -36,19 +36,30 @@ Json landmark(const replay::Landmark& l) {
 }
 
 /// Errors of a run of a free scene, in the unit of its channel.
-Json freeSummaryOf(const ReplayedRun& run, const experiment::Channel& channel) {
+Json freeSummaryOf(const ReplayedRun& run, const experiment::Experiment& e) {
+    const experiment::Channel& channel = experiment::channel(e);
     const replay::Comparison& c = run.comparison;
     const std::string unit = std::string("_") + channel.unit;
-    return {{"run", run.name},
-            {"failure", run.simulated.failure.empty() ? Json(nullptr) : Json(run.simulated.failure)},
-            {"peak_recorded" + unit, channel.perUnit * c.peakRecorded},
-            {"peak_simulated" + unit, channel.perUnit * c.peakSimulated},
-            {"rmse" + unit, channel.perUnit * c.rmseAll},
-            {"residual_mean" + unit, channel.perUnit * c.residualMean},
-            {"max_error" + unit, channel.perUnit * c.maxError},
-            {"max_error_at_s", c.maxErrorAt},
-            {"steps", run.simulated.steps},
-            {"cpu_s", run.simulated.cpuSeconds}};
+    Json json = {{"run", run.name},
+                 {"failure", run.simulated.failure.empty() ? Json(nullptr) : Json(run.simulated.failure)},
+                 {"peak_recorded" + unit, channel.perUnit * c.peakRecorded},
+                 {"peak_simulated" + unit, channel.perUnit * c.peakSimulated},
+                 {"rmse" + unit, channel.perUnit * c.rmseAll},
+                 {"residual_mean" + unit, channel.perUnit * c.residualMean},
+                 {"max_error" + unit, channel.perUnit * c.maxError},
+                 {"max_error_at_s", c.maxErrorAt},
+                 {"steps", run.simulated.steps},
+                 {"cpu_s", run.simulated.cpuSeconds}};
+    for (std::size_t i = 0; i < c.further.size(); ++i) {
+        const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;
+        const replay::ChannelComparison& errors = c.further[i];
+        json["channels"][own.name] = {{"peak_recorded_" + own.unit, own.perUnit * errors.peakRecorded},
+                                      {"peak_simulated_" + own.unit, own.perUnit * errors.peakSimulated},
+                                      {"rmse_" + own.unit, own.perUnit * errors.rmse},
+                                      {"max_error_" + own.unit, own.perUnit * errors.maxError},
+                                      {"max_error_at_s", errors.maxErrorAt}};
+    }
+    return json;
 }
 
 Json summaryOf(const ReplayedRun& run) {
@@ -114,8 +125,7 @@ std::string replayJson(const Replay& replay) {
     for (const replay::ParameterInfo& info : replay::parameterList(replay.experiment))
         parameters[info.name] = replay::get(replay.parameters, replay.experiment, info.name).value_or(0.0);
     for (const ReplayedRun& run : replay.runs)
-        runs.push_back(replay.experiment.scene ? freeSummaryOf(run, experiment::channel(replay.experiment))
-                                               : summaryOf(run));
+        runs.push_back(replay.experiment.scene ? freeSummaryOf(run, replay.experiment) : summaryOf(run));
     const experiment::NaturalUnits units = replay::naturalUnits(replay.experiment);
     const replay::ExclusionWindow w = replay::ExclusionWindow{}.in(units);
     Json json = {{"experiment", replay.experiment.file},

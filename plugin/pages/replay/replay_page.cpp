@@ -71,10 +71,9 @@ void drawLegend(Canvas& canvas, double x, double y) {
 }
 
 /// Force over displacement on the left, over time on the right with the residual below.
-void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::Run& run, const ReplayedRun& done) {
+void drawRun(Canvas& canvas, const experiment::Channel& channel, bool free, const experiment::Run& run,
+             const ReplayedRun& done) {
     const Columns c{run.readings, done.simulated.readings, done.comparison};
-    const experiment::Channel& channel = experiment::channel(e);
-    const bool free = experiment::isFree(e);
     const auto unitFor = [&](double size) {
         return free || channel.unit != "N" ? graphics::DisplayUnit{channel.perUnit, channel.unit}
                                            : graphics::readableUnit(size, "N");
@@ -121,12 +120,28 @@ void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::
     canvas.popClip();
 }
 
+/// A further channel in place of the first one.
+std::pair<experiment::Run, ReplayedRun> withChannel(const experiment::Run& run, const ReplayedRun& done,
+                                                    std::size_t index) {
+    std::pair<experiment::Run, ReplayedRun> out(run, done);
+    const replay::ChannelComparison& errors = done.comparison.further[index];
+    out.first.readings.force = run.readings.further[index];
+    out.second.simulated.readings.force = index < done.simulated.readings.further.size()
+                                              ? done.simulated.readings.further[index]
+                                              : std::vector<double>(run.readings.time.size(), std::nan(""));
+    out.second.comparison.residual = errors.residual;
+    out.second.comparison.peakRecorded = errors.peakRecorded;
+    out.second.comparison.maxError = errors.maxError;
+    return out;
+}
+
 std::string percent(double part, double whole) {
     return whole > 0.0 ? fixed(100.0 * part / whole, 2) + " %" : "";
 }
 
 /// Rows of the table of one run.
-std::string figures(const ReplayedRun& run, const experiment::Channel& channel) {
+std::string figures(const ReplayedRun& run, const experiment::Experiment& e) {
+    const experiment::Channel& channel = experiment::channel(e);
     const double k = channel.perUnit;
     const std::string unit = std::string(" ") + channel.unit;
     const replay::Comparison& c = run.comparison;
@@ -142,6 +157,13 @@ std::string figures(const ReplayedRun& run, const experiment::Channel& channel) 
     row("largest error", rounded(k * c.maxError, 4) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
                              rounded(c.maxErrorAt, 4) + " s");
     row("excluded around jumps", fixed(100.0 * c.excludedFraction, 1) + " % of the samples");
+    for (std::size_t i = 0; i < c.further.size(); ++i) {
+        const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;
+        row(own.name + ", rms and largest error", rounded(own.perUnit * c.further[i].rmse, 4) + " " + own.unit + " (" +
+                                                      percent(c.further[i].rmse, c.further[i].peakRecorded) +
+                                                      " of the peak), " +
+                                                      rounded(own.perUnit * c.further[i].maxError, 4) + " " + own.unit);
+    }
     if (!run.simulated.markers.time.empty())
         row("markers, rms and largest distance",
             fixed(1e3 * c.markerRmse, 3) + " mm, " + fixed(1e3 * c.markerMax, 3) + " mm");
@@ -194,19 +216,34 @@ Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
         const ReplayedRun& run = replay.runs[k];
         if (run.comparison.residual.empty())
             continue;
-        graphics::CairoCanvas png(kWidth, kHeight, 1.5);
-        drawRun(png, replay.experiment, replay.experiment.runs[k], run);
-        auto picture = png.png();
-        if (!picture)
-            return Result<Files>::failure(run.name + "_replay.png: " + picture.error());
-        files.emplace_back(run.name + "_replay.png", *std::move(picture));
-        graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1),
-                                "recorded and simulated force of " + run.name);
-        drawRun(svg, replay.experiment, replay.experiment.runs[k], run);
+        std::string pictures;
+        const auto draw = [&](const std::string& suffix, const experiment::Channel& channel,
+                              const experiment::Run& recorded, const ReplayedRun& done) -> Status {
+            const bool free = experiment::isFree(replay.experiment);
+            graphics::CairoCanvas png(kWidth, kHeight, 1.5);
+            drawRun(png, channel, free, recorded, done);
+            auto picture = png.png();
+            if (!picture)
+                return Status::failure(run.name + "_replay" + suffix + ".png: " + picture.error());
+            files.emplace_back(run.name + "_replay" + suffix + ".png", *std::move(picture));
+            graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1) + suffix,
+                                    "recorded and simulated " + (suffix.empty() ? "force" : channel.name) + " of " +
+                                        run.name);
+            drawRun(svg, channel, free, recorded, done);
+            pictures += "<div class=\"scroll wide\">" + svg.finish() + "</div>";
+            return {};
+        };
+        if (Status drawn = draw("", experiment::channel(replay.experiment), replay.experiment.runs[k], run); !drawn)
+            return Result<Files>::failure(drawn.error());
+        for (std::size_t i = 0; i < run.comparison.further.size(); ++i) {
+            const experiment::Channel& channel = experiment::furtherChannels(replay.experiment)[i].channel;
+            const auto [recorded, done] = withChannel(replay.experiment.runs[k], run, i);
+            if (Status drawn = draw("_" + channel.name, channel, recorded, done); !drawn)
+                return Result<Files>::failure(drawn.error());
+        }
         page.section(run.name,
                      (run.simulated.failure.empty() ? "" : "<p>" + graphics::escaped(run.simulated.failure) + "</p>") +
-                         "<div class=\"scroll wide\">" + svg.finish() + "</div>" +
-                         figures(run, experiment::channel(replay.experiment)));
+                         pictures + figures(run, replay.experiment));
     }
     page.section("Parameters", parameterTable(replay) + "<p>" + std::to_string(replay.resolution.elements) +
                                    " elements a specimen</p>");

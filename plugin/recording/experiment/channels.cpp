@@ -40,10 +40,9 @@ std::vector<Unit> unitsOf(Quantity quantity) {
     }
 }
 
-std::string setChannel(FreeScene& s) {
-    Channel& c = s.channel;
-    c.name = s.observe;
-    const std::vector<Unit> units = unitsOf(s.observation.quantity);
+std::string setChannel(const std::string& observe, const scene::Observation& observation, Channel& c, Stated& zero) {
+    c.name = observe;
+    const std::vector<Unit> units = unitsOf(observation.quantity);
     std::string all;
     const Unit* found = nullptr;
     for (const Unit& u : units) {
@@ -57,8 +56,8 @@ std::string setChannel(FreeScene& s) {
                "; " + c.name + " is recorded in " + all;
     c.unit = found->name;
     c.perUnit = found->perUnit;
-    s.zero.value *= c.sign / c.perUnit;
-    s.zero.halfWidth /= c.perUnit;
+    zero.value *= c.sign / c.perUnit;
+    zero.halfWidth /= c.perUnit;
     return {};
 }
 

@@ -118,6 +118,16 @@ struct Channel {
     std::string column;   ///< of the CSV files
     double perUnit = 1.0; ///< file unit per SI unit (N, rad, m)
     double sign = 1.0;    ///< of the file's numbers against the scene's, +-1
+    double weight = 1.0;  ///< of its log-likelihood; 0: it is drawn, not compared
+};
+
+/// A channel beside the first one.
+struct FurtherChannel {
+    std::string observe; ///< name of the observation in the scene
+    scene::Observation observation;
+    Channel channel;
+    Stated zero;        ///< reading where the scene says 0, SI unit of the observation
+    double noise = 0.0; ///< the same unit, standard deviation, approximate
 };
 
 /// A scene file, and what is recorded of it.
@@ -130,9 +140,10 @@ struct FreeScene {
     std::string observe;                    ///< name of the observation in the scene; empty: `observation` is described
     scene::Observation observation;
     Channel channel;
-    Stated zero;                ///< reading where the scene says 0, SI unit of the observation
-    std::string driveColumn;    ///< of the runs' files: the drive; empty: break points in the description
-    double driveScale = 1.0;    ///< of that column: m, or the parameter's unit
+    Stated zero;                         ///< reading where the scene says 0, SI unit of the observation
+    std::vector<FurtherChannel> further; ///< recorded and compared beside it
+    std::string driveColumn;             ///< of the runs' files: the drive; empty: break points in the description
+    double driveScale = 1.0;             ///< of that column: m, or the parameter's unit
     std::string driveParameter; ///< what is driven, a parameter of the loads; empty: the machine's displacement
     bool driven = false;        ///< a machine moves a body or holds of the scene
     bool turns = true;          ///< it has revolute joints
@@ -157,6 +168,7 @@ struct Readings {
     /// Positive while the specimen resists loading, N; NaN: missing. In free scenes the recorded pose
     /// (FreeScene::observation), SI unit; runs are compared by this column.
     std::vector<double> force;
+    std::vector<std::vector<double>> further{}; ///< of FreeScene::further, SI units; NaN: missing
 };
 
 /// One run.
@@ -236,6 +248,9 @@ std::vector<std::string> runNames(const Experiment& experiment, bool extension);
 
 /// The channel by which runs of this experiment are compared.
 const Channel& channel(const Experiment& experiment);
+
+/// Channels beside the first one; none outside of scenes.
+const std::vector<FurtherChannel>& furtherChannels(const Experiment& experiment);
 
 /// Median time between rows, s; 0 with fewer than two rows.
 double medianStep(const std::vector<double>& time);

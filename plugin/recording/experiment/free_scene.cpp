@@ -120,6 +120,9 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
     };
     if (e.scene->observation.of == scene::Observation::Of::Body)
         need(e.scene->observation.target);
+    for (const FurtherChannel& c : e.scene->further)
+        if (c.observation.of == scene::Observation::Of::Body)
+            need(c.observation.target);
     for (const Marker& m : e.markers)
         need(m.body);
 }
@@ -128,6 +131,11 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
 
 const Channel& channel(const Experiment& e) {
     return e.scene ? e.scene->channel : kForce;
+}
+
+const std::vector<FurtherChannel>& furtherChannels(const Experiment& e) {
+    static const std::vector<FurtherChannel> kNone;
+    return e.scene ? e.scene->further : kNone;
 }
 
 std::vector<Channel> columnsOf(const Experiment& e) {
@@ -224,34 +232,50 @@ void readSceneDrive(Context& context, Object& top, FreeScene& s) {
     drive.finish();
 }
 
+/// An entry of /channels, with zero and noise in the unit of its column.
+FurtherChannel readChannel(Context& context, Object& object) {
+    FurtherChannel c;
+    c.observe = object.text("observe");
+    c.channel.column = object.text("column");
+    c.channel.unit = object.text("unit", "");
+    c.channel.sign = object.number("sign", 1.0, {-1.0, 1.0, false});
+    if (std::abs(c.channel.sign) != 1.0)
+        object.error("sign", "a sign of " + std::to_string(c.channel.sign), "1 or -1");
+    c.channel.weight = object.number("weight", 1.0, scene::notNegative);
+    c.noise = object.number("noise_std", 0.0, scene::notNegative);
+    if (const std::optional<Node> node = object.find("zero")) {
+        Object zero(context, *node, object.pointerTo("zero"));
+        if (zero.valid())
+            c.zero = {zero.number("value", 0.0, scene::anyNumber), zero.number("unc", 0.0, scene::notNegative)};
+        zero.finish();
+    }
+    return c;
+}
+
 FreeScene readScene(Context& context, Object& top, Sensors& sensors) {
     FreeScene s;
     s.file = top.text("scene");
     s.parameters = readSceneParameters(context, top, "scene_parameters");
     readSceneDrive(context, top, s);
     readSpecimensOf(s, context, top);
-    const auto channels = top.array("channels", true);
-    if (channels.size() > 1)
-        top.error("channels", "only one channel can be compared", "the one that tells most");
-    if (channels.empty())
-        return s;
-    Object object(context, *channels.begin());
-    if (!object.valid())
-        return s;
-    s.observe = object.text("observe");
-    s.channel.column = object.text("column");
-    s.channel.unit = object.text("unit", "");
-    s.channel.sign = object.number("sign", 1.0, {-1.0, 1.0, false});
-    if (std::abs(s.channel.sign) != 1.0)
-        object.error("sign", "a sign of " + std::to_string(s.channel.sign), "1 or -1");
-    sensors.forceNoise = object.number("noise_std", 0.0, scene::notNegative);
-    if (const std::optional<Node> node = object.find("zero")) {
-        Object zero(context, *node, object.pointerTo("zero"));
-        if (zero.valid())
-            s.zero = {zero.number("value", 0.0, scene::anyNumber), zero.number("unc", 0.0, scene::notNegative)};
-        zero.finish();
+    for (const ArrayItem& place : top.array("channels", true)) {
+        Object object(context, place);
+        if (!object.valid())
+            continue;
+        FurtherChannel c = readChannel(context, object);
+        if (!s.observe.empty()) {
+            object.finish();
+            s.further.push_back(std::move(c));
+            continue;
+        }
+        if (c.channel.weight == 0.0)
+            object.error("weight", "the first channel has no weight", "a number above 0, or another channel first");
+        s.observe = std::move(c.observe);
+        s.channel = std::move(c.channel);
+        s.zero = c.zero;
+        sensors.forceNoise = c.noise;
+        object.finish();
     }
-    object.finish();
     return s;
 }
 
@@ -289,13 +313,34 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     std::vector<std::string> names;
     for (const scene::Observation& o : s.observe)
         names.push_back(o.name);
-    const auto at = std::find(names.begin(), names.end(), own.observe);
-    if (at == names.end()) {
-        complain("/channels/0/observe", "the scene " + path + " observes no \"" + own.observe + "\"",
-                 names.empty() ? "a scene with \"observe\"" : "", nearestName(own.observe, names));
+    const auto take = [&](std::size_t index, const std::string& observe, scene::Observation& observation, Channel& c,
+                          Stated& zero) {
+        const std::string pointer = "/channels/" + std::to_string(index);
+        const auto at = std::find(names.begin(), names.end(), observe);
+        if (at == names.end()) {
+            complain(pointer + "/observe", "the scene " + path + " observes no \"" + observe + "\"",
+                     names.empty() ? "a scene with \"observe\"" : "", nearestName(observe, names));
+            return false;
+        }
+        observation = s.observe[static_cast<std::size_t>(at - names.begin())];
+        if (const std::string why = setChannel(observe, observation, c, zero); !why.empty())
+            complain(pointer, why, "a unit at the end of \"column\", or \"unit\"");
+        return true;
+    };
+    if (!take(0, own.observe, own.observation, own.channel, own.zero))
         return;
+    e.sensors.forceNoise /= own.channel.perUnit;
+    std::vector<std::string> seen = {own.observe};
+    for (std::size_t k = 0; k < own.further.size(); ++k) {
+        FurtherChannel& c = own.further[k];
+        if (!take(k + 1, c.observe, c.observation, c.channel, c.zero))
+            continue;
+        c.noise /= c.channel.perUnit;
+        if (std::find(seen.begin(), seen.end(), c.observe) != seen.end())
+            complain("/channels/" + std::to_string(k + 1) + "/observe", "\"" + c.observe + "\" is compared twice",
+                     "one channel for each observation");
+        seen.push_back(c.observe);
     }
-    own.observation = s.observe[static_cast<std::size_t>(at - names.begin())];
     own.driven = s.protocol.has_value() || !own.driveParameter.empty();
     std::vector<std::string> parameters;
     for (const scene::Parameter& known : s.parameters)
@@ -307,9 +352,6 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     if (!own.driveParameter.empty() && s.loads.empty())
         complain("/drive/parameter", "the scene " + path + " has no load that it could change",
                  "a scene with \"load\"");
-    if (const std::string why = setChannel(own); !why.empty())
-        complain("/channels/0", why, "a unit at the end of \"column\", or \"unit\"");
-    e.sensors.forceNoise /= own.channel.perUnit;
     for (std::size_t i = 0; i < e.runs.size(); ++i)
         if (own.driveColumn.empty() && e.runs[i].driveDisplacement.empty() == own.driven)
             complain("/runs/" + std::to_string(i),

@@ -21,8 +21,9 @@ struct Unit {
 };
 /// Units in which a quantity may be recorded, the SI unit first.
 std::vector<Unit> unitsOf(scene::Observation::Quantity quantity);
-/// Completes channel and zero of a scene whose observation is known. @return what is wrong, or nothing
-std::string setChannel(FreeScene& scene);
+/// Completes a channel and its zero, whose observation is known. @return what is wrong, or nothing
+std::string setChannel(const std::string& observe, const scene::Observation& observation, Channel& channel,
+                       Stated& zero);
 
 /// /strings
 std::vector<Bowstring> readStrings(Context& context, Object& top);

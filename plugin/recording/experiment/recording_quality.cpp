@@ -124,18 +124,18 @@ std::string goneWord(const std::vector<double>& values) {
                                                                                              : "missing";
 }
 
-bool goodForce(Readings& r, const Channel& channel, Place& place) {
+bool goodForce(std::vector<double>& force, const Channel& channel, Place& place) {
     const std::string column = channel.column;
-    const std::string word = goneWord(r.force);
-    const std::size_t gone = missing(r.force), rows = r.force.size();
-    for (double& f : r.force)
+    const std::string word = goneWord(force);
+    const std::size_t gone = missing(force), rows = force.size();
+    for (double& f : force)
         if (!std::isfinite(f))
             f = std::numeric_limits<double>::quiet_NaN();
     if (2 * gone > rows) {
         place.error(rowsOf(gone, rows) + " values of " + column + " are missing", "at least half of them");
         return false;
     }
-    const auto [least, most] = range(r.force);
+    const auto [least, most] = range(force);
     if (least == most) {
         place.error(column + " is " + shown(channel.perUnit * most) + " in every row",
                     column == "force_N" ? "a force that changes; is the load cell connected, and this its column?"
@@ -347,6 +347,8 @@ void thin(Run& run, Place& place) {
     const std::size_t block = (rows + maxRows - 1) / maxRows;
     for (std::vector<double>* column : {&r.time, &r.displacement, &r.force})
         *column = blockMeans(*column, block);
+    for (std::vector<double>& column : r.further)
+        column = blockMeans(column, block);
     run.samplingRate /= static_cast<double>(block);
     place.note(std::to_string(rows) + " rows are more than a simulation resolves: blocks of " + std::to_string(block) +
                " are averaged, which leaves " + std::to_string(r.time.size()) + " at " + shown(run.samplingRate) +
@@ -368,8 +370,11 @@ void checkReadings(const Experiment& e, Run& run, const std::string& path, std::
     Place place(path, problems);
     if (!goodTimes(run.readings.time, place) || !insideDrive(run.readings.time, run, place))
         return;
-    if (!goodForce(run.readings, channel(e), place) || !goodDisplacement(run, unitsOfSpecimens(e).length, place))
+    if (!goodForce(run.readings.force, channel(e), place) || !goodDisplacement(run, unitsOfSpecimens(e).length, place))
         return;
+    for (std::size_t k = 0; k < run.readings.further.size(); ++k)
+        if (!goodForce(run.readings.further[k], furtherChannels(e)[k].channel, place))
+            return;
     judgeRate(run, place);
     judgeCoverage(run, place);
     if (!e.scene) {

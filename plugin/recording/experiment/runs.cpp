@@ -75,8 +75,11 @@ Result<record::Series> readTable(const std::string& path, const record::CsvOptio
 void ignoreRows(Run& run) {
     for (std::size_t i = 0; i < run.readings.force.size(); ++i)
         for (const auto& [from, to] : run.ignored)
-            if (run.readings.time[i] + run.start >= from && run.readings.time[i] + run.start <= to)
+            if (run.readings.time[i] + run.start >= from && run.readings.time[i] + run.start <= to) {
                 run.readings.force[i] = std::numeric_limits<double>::quiet_NaN();
+                for (std::vector<double>& column : run.readings.further)
+                    column[i] = std::numeric_limits<double>::quiet_NaN();
+            }
 }
 
 void readReadings(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
@@ -148,6 +151,8 @@ void beginAtStart(Run& run) {
         static_cast<std::ptrdiff_t>(std::lower_bound(r.time.begin(), r.time.end(), run.start - 1e-9) - r.time.begin());
     r.time.erase(r.time.begin(), r.time.begin() + first);
     r.force.erase(r.force.begin(), r.force.begin() + first);
+    for (std::vector<double>& column : r.further)
+        column.erase(column.begin(), column.begin() + first);
     for (double& t : r.time)
         t = std::max(0.0, t - run.start);
     if (r.time.size() < 2)
@@ -158,7 +163,24 @@ void beginAtStart(Run& run) {
         run.driveTime.back() = r.time.back();
 }
 
-/// A scene's run: times and one column.
+/// Columns beside the first channel's. @return whether all are there
+bool readFurther(const Experiment& e, const record::Series& csv, Run& run, const std::string& path,
+                 std::vector<scene::Problem>& problems) {
+    for (std::size_t k = 0; k < furtherChannels(e).size(); ++k) {
+        const Channel& c = furtherChannels(e)[k].channel;
+        const std::vector<double>* column = csv.find(c.column);
+        if (column == nullptr) {
+            reportCsv(problems, path,
+                      path + ":1:1: there is no column " + c.column + "; expected what /channels/" +
+                          std::to_string(k + 1) + " names");
+            return false;
+        }
+        run.readings.further.push_back(scaled(*column, c.sign / c.perUnit));
+    }
+    return true;
+}
+
+/// A scene's run: times and the columns of its channels.
 void readPose(const Experiment& e, Run& run, const std::string& path, std::vector<scene::Problem>& problems) {
     record::CsvOptions options;
     options.required = {"time_s"};
@@ -175,6 +197,8 @@ void readPose(const Experiment& e, Run& run, const std::string& path, std::vecto
             continue;
         run.readings.time = *csv->find("time_s");
         run.readings.force = scaled(*column, c.sign / c.perUnit);
+        if (!readFurther(e, *csv, run, path, problems))
+            return;
         if (e.protocol == Protocol::Scene)
             beginAtStart(run);
         if (!e.scene->driveColumn.empty()) {

@@ -33,6 +33,7 @@ record::Series tableOf(const ImportedRun& run) {
     add("displacement_mm", Quantity::Displacement, 1e3);
     add("force_N", Quantity::Force, 1.0);
     add("angle_deg", Quantity::Angle, 180.0 / M_PI);
+    add("spin_deg_s", Quantity::AngularVelocity, 180.0 / M_PI);
     return s;
 }
 

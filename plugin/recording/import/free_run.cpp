@@ -1,9 +1,8 @@
 #include "plugin/recording/import/free_run.h"
 
+#include "plugin/recording/import/release_state.h"
 #include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/loader.h"
-#include "supercircle/support/dense.h"
-#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,72 +55,7 @@ std::size_t firstTurn(const std::vector<double>& v) {
     return 0;
 }
 
-/// Period of the swing, from its crossings of the mean; the whole time if it crosses less than twice.
-double periodOf(const std::vector<double>& t, const std::vector<double>& v) {
-    double mean = 0.0, known = 0.0, last = 0.0, first = 0.0;
-    for (const double x : v)
-        if (std::isfinite(x)) {
-            mean += x;
-            known += 1.0;
-        }
-    mean /= std::max(known, 1.0);
-    const double level = 0.1 * (*std::max_element(v.begin(), v.end()) - mean); // noise crosses the mean many times
-    std::size_t crossings = 0;
-    int side = 0;
-    for (std::size_t i = 0; i < v.size(); ++i) {
-        const int now = v[i] > mean + level ? 1 : v[i] < mean - level ? -1 : side;
-        if (side != 0 && now != side) {
-            first = crossings++ == 0 ? t[i] : first;
-            last = t[i];
-        }
-        side = now;
-    }
-    return crossings >= 2 ? 2.0 * (last - first) / static_cast<double>(crossings - 1) : t.back() - t.front();
-}
-
 } // namespace
-
-double encoderStep(const std::vector<double>& angle) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < angle.size(); ++i)
-        if (const double d = std::abs(angle[i] - angle[i - 1]); d > 1e-9)
-            least = std::min(least, d);
-    return std::isfinite(least) ? least : 0.0;
-}
-
-ReleaseState releaseStateOf(const Signals& signals) {
-    const std::vector<double>& t = *signals.find(Quantity::Time);
-    const std::vector<double>& v = *signals.find(Quantity::Angle);
-    const double span = periodOf(t, v) / 12.0; // short against the swing, long enough for a slope
-    std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < t.size() && (t[i] - t[0] <= span || rows.size() < 9); ++i)
-        if (std::isfinite(v[i]))
-            rows.push_back(i);
-    ReleaseState out;
-    if (rows.size() < 4)
-        return out;
-    // Within a twelfth of a swing the acceleration changes: a parabola would have an error of 0.2 rad/s.
-    const Eigen::Index powers = rows.size() >= 9 ? 5 : 3;
-    Eigen::MatrixXd basis(static_cast<Eigen::Index>(rows.size()), powers);
-    Eigen::VectorXd read(basis.rows());
-    for (Eigen::Index k = 0; k < basis.rows(); ++k) {
-        const std::size_t i = rows[static_cast<std::size_t>(k)];
-        read[k] = v[i];
-        for (Eigen::Index p = 0; p < powers; ++p)
-            basis(k, p) = math::pow((t[i] - t[0]) / span, static_cast<double>(p));
-    }
-    const Eigen::MatrixXd inverse = dense::inverseLdlt(basis.transpose() * basis);
-    const Eigen::VectorXd c = inverse * (basis.transpose() * read);
-    const double rest = (read - basis * c).squaredNorm();
-    const double sigma = std::max(std::sqrt(rest / static_cast<double>(basis.rows() - powers)), 0.3 * encoderStep(v));
-    out.angle = c[0];
-    out.spin = c[1] / span;
-    out.angleHalfWidth = 3.0 * sigma * std::sqrt(inverse(0, 0)) + 0.5 * encoderStep(v);
-    // A turn within an encoder step is invisible: the spin is uncertain by the acceleration over that time.
-    const double unseen = std::sqrt(2.0 * encoderStep(v) * 2.0 * std::abs(c[2])) / span;
-    out.spinHalfWidth = unseen + 3.0 * sigma * std::sqrt(inverse(1, 1)) / span + encoderStep(v) / span;
-    return out;
-}
 
 void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks) {
     std::vector<double>& t = *signals.find(Quantity::Time);
@@ -129,7 +63,7 @@ void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks
     if (v.size() < 10)
         return;
     const double dt = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-    const double half = periodOf(t, v) / 70.0; // of the mean: far shorter than the swing
+    const double half = swingPeriod(t, v) / 70.0; // of the mean: far shorter than the swing
     std::vector<double> rest = smooth(v, std::max<std::size_t>(1, static_cast<std::size_t>(half / dt)));
     std::size_t turn = 0;
     for (int k = 0; k < which; ++k) {
@@ -204,7 +138,12 @@ void addParameters(const scene::Scene& s, const Imported& all, Json& json, std::
                           shown(kDegrees * b.angleHalfWidth) + " deg" +
                           (spin
                                ? ", " + shown(kDegrees * b.spin) + " +- " + shown(kDegrees * b.spinHalfWidth) + " deg/s"
-                               : std::string()));
+                               : std::string()) +
+                          (b.bySpin ? ", by angles and angular velocities" : ""));
+        if (b.spinApart != 0.0)
+            remarks.push_back("the angular velocities of " + all.runs[k].file +
+                              " are not used for it: they are off by " + shown(kDegrees * std::abs(b.spinApart)) +
+                              " deg/s (is their sign, unit or clock another one?)");
     }
 }
 

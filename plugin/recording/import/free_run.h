@@ -9,16 +9,6 @@
 
 namespace supercircle::importing {
 
-/// Release state of a free run: a polynomial of degree four through the first 60 ms.
-struct ReleaseState {
-    double angle = 0.0, spin = 0.0;                 ///< rad, rad/s
-    double angleHalfWidth = 0.0, spinHalfWidth = 0; ///< three sigma and half an encoder step
-};
-ReleaseState releaseStateOf(const Signals& signals);
-
-/// Smallest nonzero difference of two readings, rad; 0: none.
-double encoderStep(const std::vector<double>& angle);
-
 /// Removes the rows before a turning point of the angle. 1: the first, which ends the lift by hand. After a slow
 /// release the hand drags through the first half oscillation, so the second is safe.
 void cutToTurningPoint(Signals& signals, int which, std::vector<Remark>& remarks);

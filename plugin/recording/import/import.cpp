@@ -4,6 +4,7 @@
 #include "plugin/recording/import/force_zero.h"
 #include "plugin/recording/import/free_run.h"
 #include "plugin/recording/import/plausibility.h"
+#include "plugin/recording/import/release_state.h"
 #include "plugin/recording/import/velocity.h"
 #include "plugin/recording/import/whole.h"
 
@@ -107,6 +108,7 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
         repairCounter(part, run.remarks);
     const std::vector<double> velocity = takeVelocity(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
+        dropDifferences(part, run.remarks);
         if (hints.fromTurningPoint > 0)
             cutToTurningPoint(part, hints.fromTurningPoint, run.remarks);
         average(part, hints.average, run.remarks);

@@ -13,8 +13,12 @@ RecordedData firstPart(const RecordedData& data, double share) {
             continue;
         const double until = run.time[0] + share * (run.time[run.time.size() - 1] - run.time[0]);
         for (Eigen::Index k = 0; k < run.time.size(); ++k)
-            if (run.time[k] > until)
+            if (run.time[k] > until) {
                 run.force[k] = std::numeric_limits<double>::quiet_NaN();
+                for (std::size_t c = 0; c < run.furtherCount; ++c)
+                    run.further[static_cast<Eigen::Index>(c) * run.time.size() + k] =
+                        std::numeric_limits<double>::quiet_NaN();
+            }
         for (Eigen::Index k = 0; k < run.markers.size(); ++k)
             if (run.markerTime[k % run.markerTime.size()] > until)
                 run.markers[k] = std::numeric_limits<double>::quiet_NaN();

@@ -13,13 +13,13 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Rows of one stroke of one run, force and jumps apart from markers.
-std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> blocksOf(const Likelihood& likelihood) {
-    std::map<std::tuple<std::size_t, std::size_t, bool>, std::vector<Index>> out;
+/// Rows of one stroke of one run, each channel for itself.
+std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::vector<Index>> blocksOf(const Likelihood& likelihood) {
+    std::map<std::tuple<std::size_t, std::size_t, std::size_t>, std::vector<Index>> out;
     for (std::size_t r = 0; r < likelihood.runs(); ++r)
         for (Index k = 0; k < likelihood.rowsOf(r); ++k)
             if (likelihood.counts(r, k))
-                out[{r, likelihood.stroke(r, k), likelihood.isMarker(r, k)}].push_back(likelihood.start(r) + k);
+                out[{r, likelihood.stroke(r, k), likelihood.channelOf(r, k)}].push_back(likelihood.start(r) + k);
     return out;
 }
 

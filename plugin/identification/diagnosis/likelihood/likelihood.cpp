@@ -53,25 +53,55 @@ double zeroOf(const RecordedData& data, const Noise& noise, const RecordedRun& r
 
 } // namespace
 
+Likelihood::ChannelModel::ChannelModel(const RecordedData& data, const RecordedRun& run, const Noise& noise,
+                                       const Response& fine, const Response& finer, double peak,
+                                       const LikelihoodSettings& settings)
+    : errors(modelErrorOf(run, noise, fine, finer, peak, settings)), zero(zeroOf(data, noise, run)) {
+    double size = 1.0; // of all errors
+    if (data.weight > 0.0)
+        size = 1.0 / std::sqrt(data.weight);
+    else
+        errors.force.setConstant(std::numeric_limits<double>::infinity());
+    force = Whitening(run.time, size * noise.white, size * noise.correlated, noise.correlationTime, size * errors.force,
+                      errors.correlationTime);
+    nuisance.resize(run.force.size(), 3);
+    nuisance.col(0) = force.apply(Eigen::VectorXd::Constant(run.force.size(), zero));
+    nuisance.col(1) = force.apply(clockShift(run, fine, errors.force) * settings.clockError);
+    nuisance.col(2) =
+        force.apply(ownScale(run, fine, errors.force) * (data.free ? 0.0 : settings.repeatFactor * settings.scale));
+    shrinkage = shrinkageOf(nuisance);
+}
+
+Eigen::VectorXd Likelihood::ChannelModel::whiten(Eigen::VectorXd raw) const {
+    for (Eigen::Index k = 0; k < raw.size(); ++k)
+        if (!std::isfinite(errors.force[k]))
+            raw[k] = 0.0; // does not count
+    Eigen::VectorXd u = force.apply(raw);
+    u -= nuisance * (shrinkage * (nuisance.transpose() * u));
+    return u;
+}
+
+Eigen::VectorXd Likelihood::ChannelModel::transposed(Eigen::VectorXd u) const {
+    u -= nuisance * (shrinkage.transpose() * (nuisance.transpose() * u));
+    return force.transposed(u);
+}
+
 Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::vector<Response>& fine,
                        const std::vector<Response>& finer, const LikelihoodSettings& settings)
     : data_(data), noise_(noise), settings_(settings), start_{0} {
     const double peak = data.free ? 0.0 : data.peakForce(); // free bodies have no discretisation error
+    std::vector<RecordedData> further;
+    for (std::size_t c = 0; c < data.further.size(); ++c)
+        further.push_back(data.withChannel(c));
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
         const LikelihoodSettings here = settings.forRepeats(data.repeatsOf(r));
         RunModel model;
-        model.errors = modelErrorOf(run, noise, fine[r], finer[r], peak, here);
-        model.force = Whitening(run.time, noise.white, noise.correlated, noise.correlationTime, model.errors.force,
-                                model.errors.correlationTime);
+        static_cast<ChannelModel&>(model) = ChannelModel(data, run, noise, fine[r], finer[r], peak, here);
+        for (std::size_t c = 0; c < run.furtherCount; ++c)
+            model.further.emplace_back(further[c], further[c].runs[r], noise.further[c], fine[r].withChannel(c),
+                                       finer[r].withChannel(c), data.free ? 0.0 : further[c].peakForce(), here);
         addJumps(run, fine[r], finer[r], here, model);
-        model.zero = zeroOf(data, noise, run);
-        model.nuisance.resize(run.force.size(), 3);
-        model.nuisance.col(0) = model.force.apply(Eigen::VectorXd::Constant(run.force.size(), model.zero));
-        model.nuisance.col(1) = model.force.apply(clockShift(run, fine[r], model.errors.force) * settings.clockError);
-        model.nuisance.col(2) = model.force.apply(ownScale(run, fine[r], model.errors.force) *
-                                                  (data.free ? 0.0 : here.repeatFactor * here.scale));
-        model.shrinkage = shrinkageOf(model.nuisance);
         addStrokeShifts(run, here.repeatFactor * here.markerShift, model);
         addSnapShifts(run, here.repeatFactor * here.snapPositionError, model);
         start_.push_back(start_.back() + run.rows() + static_cast<Eigen::Index>(model.jumps.size()));
@@ -153,7 +183,7 @@ void Likelihood::addJumps(const RecordedRun& run, const Response& fine, const Re
 
 bool Likelihood::complete(std::size_t r, const Response& s) const {
     return s.failure.empty() && s.force.size() == data_.runs[r].force.size() &&
-           s.markers.size() == data_.runs[r].markers.size();
+           s.markers.size() == data_.runs[r].markers.size() && s.further.size() == data_.runs[r].further.size();
 }
 
 Likelihood::SimulatedJumps Likelihood::simulatedJumpsOf(std::size_t r, const Response& s) const {
@@ -199,6 +229,9 @@ void Likelihood::interpolateAllMasked(std::size_t r, const TimeRanges& maskedRan
     const Eigen::Index frames = run.markerTime.size();
     for (Eigen::Index c = 0; c < 2 * static_cast<Eigen::Index>(run.markerCount) && frames > 0; ++c)
         one(run.force.size() + c * frames, run.markerTime, errors.markers.segment(c * frames, frames));
+    for (std::size_t c = 0; c < run.furtherCount; ++c)
+        one(run.force.size() + run.markers.size() + static_cast<Eigen::Index>(c) * run.force.size(), run.time,
+            runModels_[r].further[c].errors.force);
 }
 
 RawDifference Likelihood::rawResidual(std::size_t r, const Response& s) const {
@@ -208,7 +241,10 @@ RawDifference Likelihood::rawResidual(std::size_t r, const Response& s) const {
     RawDifference out;
     out.rows.resize(rowsOf(r));
     const SimulatedJumps jumps = simulatedJumpsOf(r, s);
-    out.rows.head(run.rows()) << run.force - s.force - runModels_[r].errors.correction, run.markers - s.markers;
+    out.rows.head(run.rows()) << run.force - s.force - runModels_[r].errors.correction, run.markers - s.markers,
+        run.further - s.further;
+    for (std::size_t c = 0; c < run.furtherCount; ++c)
+        partOf(r, c, out.rows) -= runModels_[r].further[c].errors.correction;
     for (std::size_t i = 0; i < jumps.time.size(); ++i)
         out.rows[run.rows() + static_cast<Eigen::Index>(i)] = runModels_[r].jumps[i].time - jumps.time[i];
     interpolateAllMasked(r, jumps.maskedRanges, out);
@@ -223,7 +259,7 @@ RawDifference Likelihood::rawDifference(std::size_t r, const Response& a, const 
     out.rows.resize(rowsOf(r));
     SimulatedJumps p = simulatedJumpsOf(r, a);
     const SimulatedJumps q = simulatedJumpsOf(r, b);
-    out.rows.head(run.rows()) << a.force - b.force, a.markers - b.markers;
+    out.rows.head(run.rows()) << a.force - b.force, a.markers - b.markers, a.further - b.further;
     for (std::size_t i = 0; i < p.time.size(); ++i) // a jump present in only one of them has no derivative
         out.rows[run.rows() + static_cast<Eigen::Index>(i)] = p.found[i] && q.found[i] ? p.time[i] - q.time[i] : 0.0;
     p.maskedRanges.insert(p.maskedRanges.end(), q.maskedRanges.begin(), q.maskedRanges.end());
@@ -255,13 +291,9 @@ Eigen::VectorXd Likelihood::whiten(std::size_t r, const Eigen::VectorXd& rawResi
     Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
     if (const auto jumps = static_cast<Eigen::Index>(model.jumps.size()); jumps > 0)
         out.tail(jumps) = model.jumpFactor.triangularView<Eigen::Lower>().solve(rawResidual.tail(jumps));
-    Eigen::VectorXd present = rawResidual.head(run.force.size());
-    for (Eigen::Index k = 0; k < present.size(); ++k)
-        if (!std::isfinite(model.errors.force[k]))
-            present[k] = 0.0; // does not count
-    Eigen::VectorXd u = model.force.apply(present);
-    u -= model.nuisance * (model.shrinkage * (model.nuisance.transpose() * u));
-    out.head(run.force.size()) = u;
+    out.head(run.force.size()) = model.whiten(rawResidual.head(run.force.size()));
+    for (std::size_t c = 0; c < run.furtherCount; ++c)
+        partOf(r, c, out) = model.further[c].whiten(partOf(r, c, rawResidual));
     for (Eigen::Index k = 0; k < run.markers.size(); ++k)
         if (std::isfinite(model.errors.markers[k]))
             out[run.force.size() + k] = markers[k] / model.errors.markers[k];
@@ -276,9 +308,9 @@ Eigen::VectorXd Likelihood::whitenTransposed(std::size_t r, const Eigen::VectorX
     Eigen::VectorXd out = Eigen::VectorXd::Zero(rowsOf(r));
     if (const auto jumps = static_cast<Eigen::Index>(model.jumps.size()); jumps > 0)
         out.tail(jumps) = model.jumpFactor.triangularView<Eigen::Lower>().transpose().solve(whitened.tail(jumps));
-    Eigen::VectorXd u = whitened.head(run.force.size());
-    u -= model.nuisance * (model.shrinkage.transpose() * (model.nuisance.transpose() * u));
-    out.head(run.force.size()) = model.force.transposed(u);
+    out.head(run.force.size()) = model.transposed(whitened.head(run.force.size()));
+    for (std::size_t c = 0; c < run.furtherCount; ++c)
+        partOf(r, c, out) = model.further[c].transposed(partOf(r, c, whitened));
     auto markers = out.segment(run.force.size(), run.markers.size());
     markers = whitened.segment(run.force.size(), run.markers.size());
     for (auto shift = model.shifts.rbegin(); shift != model.shifts.rend(); ++shift)
@@ -321,19 +353,41 @@ std::optional<Eigen::VectorXd> Likelihood::whitenedDifference(const std::vector<
     return out.allFinite() ? std::optional<Eigen::VectorXd>(std::move(out)) : std::nullopt;
 }
 
+std::size_t Likelihood::channelOf(std::size_t r, Eigen::Index row) const {
+    const RecordedRun& run = data_.runs[r];
+    const Eigen::Index after = row - run.force.size() - run.markers.size();
+    return row < run.force.size() || row >= run.rows() ? 0
+           : after < 0                                 ? 1
+                                                       : 2 + static_cast<std::size_t>(after / run.force.size());
+}
+
+double Likelihood::timeOfReading(std::size_t r, Eigen::Index row) const {
+    const RecordedRun& run = data_.runs[r];
+    return isMarker(r, row)  ? run.markerTime[(row - run.force.size()) % run.markerTime.size()]
+           : isForce(r, row) ? run.time[row]
+                             : run.time[(row - run.force.size() - run.markers.size()) % run.force.size()];
+}
+
 bool Likelihood::counts(std::size_t r, Eigen::Index row) const {
+    const RecordedRun& run = data_.runs[r];
     const ModelError& e = runModels_[r].errors;
-    return isForce(r, row)    ? std::isfinite(e.force[row])
-           : isMarker(r, row) ? std::isfinite(e.markers[row - e.force.size()])
-                              : true;
+    const std::size_t channel = channelOf(r, row);
+    return isForce(r, row) ? std::isfinite(e.force[row])
+           : channel == 1  ? std::isfinite(e.markers[row - e.force.size()])
+           : channel > 1
+               ? std::isfinite(runModels_[r]
+                                   .further[channel - 2]
+                                   .errors.force[(row - run.force.size() - run.markers.size()) % run.force.size()])
+               : true;
 }
 
 std::size_t Likelihood::stroke(std::size_t r, Eigen::Index row) const {
     const RecordedRun& run = data_.runs[r];
+    const std::size_t channel = channelOf(r, row);
     return isForce(r, row) ? run.stroke(row)
-           : isMarker(r, row)
-               ? run.markerStroke((row - run.force.size()) % run.markerTime.size())
-               : run.segmentAt(runModels_[r].jumps[static_cast<std::size_t>(row - run.rows())].time).stroke;
+           : channel == 1  ? run.markerStroke((row - run.force.size()) % run.markerTime.size())
+           : channel > 1   ? run.stroke((row - run.force.size() - run.markers.size()) % run.force.size())
+                           : run.segmentAt(runModels_[r].jumps[static_cast<std::size_t>(row - run.rows())].time).stroke;
 }
 
 Eigen::Index Likelihood::countedRowsIn(std::size_t r) const {

@@ -15,6 +15,7 @@ public:
         for (std::size_t r = 0; r < likelihood.runs(); ++r) {
             byTime(r);
             markers(r);
+            further(r);
             jumps(r);
         }
         std::vector<std::size_t> every(likelihood.runs());
@@ -143,6 +144,30 @@ private:
                     for (Eigen::Index k = a; k < b; ++k)
                         if (std::isfinite(likelihood_.errors(r).markers[c * n + k]))
                             w.rows.push_back(likelihood_.start(r) + run.force.size() + c * n + k);
+                    add(std::move(w));
+                }
+    }
+
+    /// Each further channel over time.
+    void further(std::size_t r) {
+        constexpr int kLevels = 4;
+        const RecordedRun& run = likelihood_.data().runs[r];
+        const Eigen::Index n = run.force.size();
+        for (std::size_t c = 0; c < run.furtherCount; ++c)
+            for (int level = 0; level <= kLevels; ++level)
+                for (int piece = 0; piece < (1 << level); ++piece) {
+                    const Eigen::Index a = n * piece / (1 << level), b = n * (piece + 1) / (1 << level);
+                    if (b - a < 4)
+                        continue;
+                    WindowRows w;
+                    w.window.run = run.name;
+                    w.window.axis = "time";
+                    w.window.channel = likelihood_.data().further[c].name;
+                    setSpan(run, a, b, w.window);
+                    const Eigen::Index first = n + run.markers.size() + static_cast<Eigen::Index>(c) * n;
+                    for (Eigen::Index k = a; k < b; ++k)
+                        if (likelihood_.counts(r, first + k))
+                            w.rows.push_back(likelihood_.start(r) + first + k);
                     add(std::move(w));
                 }
     }

@@ -1,6 +1,7 @@
 #pragma once
 // Windows in which a misfit is tested: dyadic in time in each run and stroke (half overlapping), dyadic in displacement
-// per phase over all runs, loading against unloading, whole runs, each marker coordinate over time, and each jump.
+// per phase over all runs, loading against unloading, whole runs, each marker coordinate and further channel over time,
+// and each jump.
 
 #include "plugin/identification/diagnosis/likelihood.h"
 
@@ -16,11 +17,11 @@ namespace supercircle::diagnosis {
 enum class StatisticKind : std::uint8_t { Shift, Energy, Signature };
 
 struct ResidualWindow {
-    std::string run;                                     ///< name, or "all"
-    std::string phase;                                   ///< loading, unloading, hold, all
-    std::string axis;                                    ///< time, displacement, contrast (loading against unloading)
-    std::string channel;                                 ///< Data::channel or the marker's name with _x, _y
-    double timeFrom = 0.0, timeTo = 0.0;                 ///< s (over all runs: earliest and latest)
+    std::string run;                     ///< name, or "all"
+    std::string phase;                   ///< loading, unloading, hold, all
+    std::string axis;                    ///< time, displacement, contrast (loading against unloading)
+    std::string channel;                 ///< RecordedData::channel, a further one, or the marker's name with _x, _y
+    double timeFrom = 0.0, timeTo = 0.0; ///< s (over all runs: earliest and latest)
     double displacementFrom = 0.0, displacementTo = 0.0; ///< m
     double arcFraction = -1.0;                           ///< of a marker, -1: none
     double z = 0.0;                                      ///< standardised statistic

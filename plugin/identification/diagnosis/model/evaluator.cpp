@@ -44,7 +44,8 @@ void Evaluator::checkCache(const ParameterPoint& point, Fidelity fidelity) {
             return;
         const Response again = model_.simulate(r, request.point, fidelity, stop_.interrupt());
         differs[r] = again.failure != known->failure || !same(again.force, known->force) ||
-                     !same(again.markers, known->markers) || !same(again.jumps, known->jumps);
+                     !same(again.markers, known->markers) || !same(again.jumps, known->jumps) ||
+                     !same(again.further, known->further);
     });
     stop_.poll();
     if (std::any_of(differs.begin(), differs.end(), [](char d) { return d != 0; }))

@@ -113,6 +113,15 @@ struct Response {
     Eigen::VectorXd markers; ///< m: x of marker 0 over time, its y, x of marker 1, ...
     /// Times of force jumps, s, finer than the readings; may be empty.
     Eigen::VectorXd jumps{};
+    Eigen::VectorXd further{}; ///< channels beside the first one, as RecordedRun::further
+    /// The response with a further channel in place of the force, without markers.
+    [[nodiscard]] Response withChannel(std::size_t channel) const {
+        const auto at = static_cast<Eigen::Index>(channel) * force.size();
+        return {failure,
+                at + force.size() <= further.size() ? further.segment(at, force.size()) : Eigen::VectorXd(),
+                {},
+                jumps};
+    }
 };
 
 /// A further run that could be made.

@@ -174,6 +174,13 @@ Response responseOf(const experiment::Experiment& e, std::size_t run, const repl
     out.jumps = vectorOf(replay::jumpTimes(s));
     const std::size_t frames = recorded.markers.time.size();
     out.markers = stacked(s.markers, frames > 0 ? e.markers.size() : 0, frames);
+    const std::size_t channels = recorded.readings.further.size();
+    out.further.resize(static_cast<Eigen::Index>(channels) * out.force.size());
+    for (std::size_t c = 0; c < channels; ++c)
+        out.further.segment(static_cast<Eigen::Index>(c) * out.force.size(), out.force.size()) =
+            experiment::furtherChannels(e)[c].channel.perUnit *
+            vectorOf(filled(c < s.readings.further.size() ? s.readings.further[c] : std::vector<double>{},
+                            recorded.readings.time.size()));
     return out;
 }
 

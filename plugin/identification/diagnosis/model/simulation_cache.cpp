@@ -13,7 +13,7 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr char kMagic[] = "supercircle simulation cache 3\n";
+constexpr char kMagic[] = "supercircle simulation cache 4\n";
 
 void put(std::string& to, std::uint64_t v) {
     char raw[8];
@@ -77,6 +77,7 @@ std::string entryOf(const std::string& key, const Response& r) {
     put(body, r.force);
     put(body, r.markers);
     put(body, r.jumps);
+    put(body, r.further);
     std::string entry;
     put(entry, body);
     put(entry, checkSum(body));
@@ -116,6 +117,7 @@ std::string SimulationCache::open(const std::string& path, const std::string& id
             r.force = inside.vector();
             r.markers = inside.vector();
             r.jumps = inside.vector();
+            r.further = inside.vector();
             if (!inside.good)
                 break;
             known_.emplace(key, std::move(r));

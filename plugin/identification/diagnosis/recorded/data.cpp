@@ -72,7 +72,7 @@ std::vector<int> segmentsAt(const std::vector<DriveSegment>& segments, const Eig
 } // namespace
 
 RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool free, double perUnit,
-                        const experiment::NaturalUnits& units) {
+                        const experiment::NaturalUnits& units, const std::vector<double>& further) {
     RecordedRun run;
     run.units = units;
     run.time = vectorOf(from.readings.time);
@@ -88,9 +88,42 @@ RecordedRun recordedRun(const experiment::Run& from, std::size_t markers, bool f
         run.markers.segment(2 * static_cast<Eigen::Index>(m) * frames, frames) = vectorOf(from.markers.x[m]);
         run.markers.segment((2 * static_cast<Eigen::Index>(m) + 1) * frames, frames) = vectorOf(from.markers.y[m]);
     }
+    run.furtherCount = from.readings.further.size();
+    run.further.resize(static_cast<Eigen::Index>(run.furtherCount) * run.force.size());
+    for (std::size_t c = 0; c < run.furtherCount; ++c)
+        run.further.segment(static_cast<Eigen::Index>(c) * run.force.size(), run.force.size()) =
+            further[c] * vectorOf(from.readings.further[c]);
     run.specimenReversed = from.specimenReversed;
     run.setDrive(free ? halfOscillationsOf(from) : segmentsOf(from));
     return run;
+}
+
+RecordedRun RecordedRun::withChannel(std::size_t channel) const {
+    RecordedRun out = *this;
+    out.force = further.segment(static_cast<Eigen::Index>(channel) * force.size(), force.size());
+    out.further.resize(0);
+    out.furtherCount = out.markerCount = 0;
+    out.markers.resize(0);
+    out.markerTime.resize(0);
+    out.segmentOfMarkerRow.clear();
+    return out;
+}
+
+RecordedData RecordedData::withChannel(std::size_t index) const {
+    RecordedData out = *this;
+    const FurtherColumn& own = further[index];
+    out.runs.clear();
+    for (const RecordedRun& run : runs)
+        out.runs.push_back(run.withChannel(index));
+    out.channel = own.name;
+    out.unit = own.unit;
+    out.weight = own.weight;
+    out.statedForceNoise = own.statedNoise;
+    out.zeroHalfWidth = out.zeroWindow = 0.0;
+    out.further.clear();
+    out.arcFraction.clear();
+    out.markerNames.clear();
+    return out;
 }
 
 const DriveSegment& RecordedRun::segmentAt(double t) const {
@@ -190,13 +223,19 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.displacementNoise = e.sensors.displacementNoise;
     data.zeroHalfWidth = e.sensors.forceZeroHalfWidth;
     data.zeroWindow = e.sensors.forceZeroWindow;
+    data.weight = channel.weight;
+    std::vector<double> further;
+    for (const experiment::FurtherChannel& c : experiment::furtherChannels(e)) {
+        data.further.push_back({c.channel.name, c.channel.unit, c.channel.perUnit * c.noise, c.channel.weight});
+        further.push_back(c.channel.perUnit);
+    }
     for (const experiment::Marker& m : e.markers) {
         data.arcFraction.push_back(m.arcFraction);
         data.markerNames.push_back(m.name);
     }
     const std::vector<std::string> names = experiment::runNames(e, true);
     for (const experiment::Run& run : e.runs) {
-        data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit, data.units));
+        data.runs.push_back(recordedRun(run, e.markers.size(), data.free, channel.perUnit, data.units, further));
         data.runs.back().name = names[data.runs.size() - 1];
         if (run.specimen >= 0)
             data.runs.back().specimen = e.scene->specimens[static_cast<std::size_t>(run.specimen)].id;

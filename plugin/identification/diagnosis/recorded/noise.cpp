@@ -177,6 +177,8 @@ Noise Noise::asWhite() const {
     out.white = total();
     out.correlated = 0.0;
     out.posterior.clear();
+    for (Noise& n : out.further)
+        n = n.asWhite();
     return out;
 }
 
@@ -306,9 +308,8 @@ bool refutes(const RecordedData& data, const std::vector<DwellInterval>& dwells,
                                                : !dwells.empty() && white < data.statedForceNoise / kFactor;
 }
 
-} // namespace
-
-Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& known, const StopToken& stop) {
+/// Noise of the first channel.
+Noise estimateChannel(const RecordedData& recorded, const PeriodicDisturbance& known, const StopToken& stop) {
     if (recorded.free)
         return freeNoise(recorded);
     const RecordedData data = known.removedFrom(recorded);
@@ -377,6 +378,15 @@ Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& kno
         best.source += words;
     }
     return best;
+}
+
+} // namespace
+
+Noise estimateNoise(const RecordedData& recorded, const PeriodicDisturbance& known, const StopToken& stop) {
+    Noise out = estimateChannel(recorded, known, stop);
+    for (std::size_t c = 0; c < recorded.further.size(); ++c)
+        out.further.push_back(estimateChannel(recorded.withChannel(c), {}, stop));
+    return out;
 }
 
 double noiseChiSquaredBound(const RecordedData& data, const Noise& noise, std::uint64_t seed) {

@@ -144,10 +144,51 @@ std::vector<MarkerCurve> markerCurves(const Likelihood& likelihood, std::size_t 
             m.counts.push_back(likelihood.counts(r, first + k));
         out.push_back(std::move(m));
     }
+    const Index n = run.force.size();
+    for (std::size_t c = 0; c < run.furtherCount; ++c) {
+        MarkerCurve m;
+        m.channel = likelihood.data().further[c].name;
+        m.ofMarker = false;
+        const Index first = n + run.markers.size() + static_cast<Index>(c) * n;
+        m.residual = list(nominal.residual.segment(likelihood.start(r) + first, n));
+        if (best != nullptr)
+            m.residualImproved = list(best->residual.segment(likelihood.start(r) + first, n));
+        for (Index k = 0; k < n; ++k)
+            m.counts.push_back(likelihood.counts(r, first + k));
+        out.push_back(std::move(m));
+    }
     return out;
 }
 
+/// Root mean square error of a further channel in rows that count, in its unit.
+double furtherRmse(const Likelihood& likelihood, std::size_t channel, const std::vector<Response>& simulated) {
+    double sum = 0.0, rows = 0.0;
+    for (std::size_t r = 0; r < likelihood.runs(); ++r) {
+        const RecordedRun& run = likelihood.data().runs[r];
+        const RawDifference d = likelihood.rawResidual(r, simulated[r]);
+        const Index first = run.force.size() + run.markers.size() + static_cast<Index>(channel) * run.force.size();
+        for (Index k = first; k < first + run.force.size() && k < d.rows.size(); ++k)
+            if (likelihood.counts(r, k) && !d.masked[static_cast<std::size_t>(k)]) {
+                sum += d.rows[k] * d.rows[k];
+                rows += 1.0;
+            }
+    }
+    return rows > 0.0 ? std::sqrt(sum / rows) : 0.0;
+}
+
 } // namespace
+
+std::vector<ChannelError> furtherErrorsOf(const Likelihood& likelihood, const FitResult& nominal,
+                                          const FitResult* best) {
+    std::vector<ChannelError> out;
+    for (std::size_t c = 0; c < likelihood.data().further.size(); ++c) {
+        const FurtherColumn& column = likelihood.data().further[c];
+        out.push_back({column.name, column.unit, likelihood.noise().further[c].total(),
+                       furtherRmse(likelihood, c, nominal.responses),
+                       best != nullptr ? furtherRmse(likelihood, c, best->responses) : 0.0});
+    }
+    return out;
+}
 
 std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResult& nominal, const FitResult* best) {
     std::vector<RunCurves> out;

@@ -24,6 +24,10 @@ std::vector<NominalResult> presentNominal(const Model& model, const FitResult& n
 std::vector<std::vector<double>> presentSimilarity(const Likelihood& likelihood, const FitResult& nominal,
                                                    const std::vector<const FitResult*>& fits);
 
+/// Errors of channels beside the first one.
+std::vector<ChannelError> furtherErrorsOf(const Likelihood& likelihood, const FitResult& nominal,
+                                          const FitResult* best);
+
 /// @param best may be null. It is visible where its mean over a quarter of a second differs from the baseline by more
 /// than 0.7 sigma; gaps of 0.3 s are closed.
 std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResult& nominal, const FitResult* best);

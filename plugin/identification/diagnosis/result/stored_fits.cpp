@@ -38,7 +38,7 @@ std::string checkSumOf(const experiment::Experiment& e) {
         std::vector<const std::vector<double>*> columns = {&run.readings.time,     &run.readings.displacement,
                                                            &run.readings.force,    &run.driveTime,
                                                            &run.driveDisplacement, &run.markers.time};
-        for (const std::vector<std::vector<double>>* tracks : {&run.markers.x, &run.markers.y})
+        for (const std::vector<std::vector<double>>* tracks : {&run.readings.further, &run.markers.x, &run.markers.y})
             for (const std::vector<double>& track : *tracks)
                 columns.push_back(&track);
         for (const std::vector<double>* column : columns) {

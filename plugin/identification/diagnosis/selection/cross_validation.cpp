@@ -65,8 +65,7 @@ std::vector<double> timesOf(const Likelihood& likelihood) {
     for (std::size_t r = 0; r < likelihood.runs(); ++r) {
         const RecordedRun& run = likelihood.data().runs[r];
         for (Index k = 0; k < run.rows(); ++k)
-            time[static_cast<std::size_t>(likelihood.start(r) + k)] =
-                likelihood.isForce(r, k) ? run.time[k] : run.markerTime[(k - run.force.size()) % run.markerTime.size()];
+            time[static_cast<std::size_t>(likelihood.start(r) + k)] = likelihood.timeOfReading(r, k);
     }
     return time;
 }
@@ -156,7 +155,7 @@ Grouping groupingOf(const Likelihood& likelihood) {
         std::vector<int> cycle;
         for (const Stroke& stroke : run.strokes)
             cycle.push_back((cycle.empty() ? 0 : cycle.back()) + (stroke.phase == Phase::Loading ? 1 : 0));
-        std::map<std::pair<std::size_t, bool>, int> blocks;
+        std::map<std::pair<std::size_t, std::size_t>, int> blocks;
         for (Index k = 0; k < likelihood.rowsOf(r); ++k) {
             const std::size_t stroke = likelihood.stroke(r, k);
             if (!likelihood.counts(r, k)) {
@@ -165,7 +164,7 @@ Grouping groupingOf(const Likelihood& likelihood) {
                 continue;
             }
             g.fold.push_back(byRun ? runFolds[r] : std::max(0, cycle[stroke] - 1));
-            const auto at = blocks.emplace(std::pair(stroke, likelihood.isMarker(r, k)), g.blocks);
+            const auto at = blocks.emplace(std::pair(stroke, likelihood.channelOf(r, k)), g.blocks);
             g.blocks += at.second ? 1 : 0;
             g.block.push_back(at.first->second);
         }

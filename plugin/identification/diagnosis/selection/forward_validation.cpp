@@ -22,12 +22,6 @@ constexpr std::array<double, 3> kShares = {1.0 / 3.0, 0.5, 2.0 / 3.0};
 constexpr std::array<const char*, 3> kNames = {"forecast from a third", "forecast from half",
                                                "forecast from two thirds"};
 
-double timeOf(const Likelihood& likelihood, std::size_t r, Index row) {
-    const RecordedRun& run = likelihood.data().runs[r];
-    return likelihood.isForce(r, row) ? run.time[row]
-                                      : run.markerTime[(row - run.force.size()) % run.markerTime.size()];
-}
-
 /// Fit to the beginning of all runs: from the fit to all rows, and from the stated numbers where that leaves more than
 /// noise.
 FitResult fitToBeginning(Evaluator& evaluator, const Likelihood& likelihood, const RecordedData& beginning,
@@ -57,7 +51,7 @@ Grouping forwardGroupingOf(const Likelihood& likelihood) {
     g.forward = true;
     g.folds = static_cast<int>(kShares.size());
     g.names.assign(kNames.begin(), kNames.end());
-    std::map<std::tuple<std::size_t, std::size_t, bool, int>, int> blocks;
+    std::map<std::tuple<std::size_t, std::size_t, std::size_t, int>, int> blocks;
     for (std::size_t r = 0; r < likelihood.runs(); ++r) {
         const RecordedRun& run = likelihood.data().runs[r];
         const double begin = run.time.size() > 0 ? run.time[0] : 0.0,
@@ -65,7 +59,7 @@ Grouping forwardGroupingOf(const Likelihood& likelihood) {
         for (Index k = 0; k < likelihood.rowsOf(r); ++k) {
             int fold = -1;
             for (const double share : kShares)
-                fold += timeOf(likelihood, r, k) > begin + share * length ? 1 : 0;
+                fold += likelihood.timeOfReading(r, k) > begin + share * length ? 1 : 0;
             fold = likelihood.counts(r, k) ? fold : -1;
             g.fold.push_back(fold);
             if (fold < 0) {
@@ -73,7 +67,7 @@ Grouping forwardGroupingOf(const Likelihood& likelihood) {
                 continue;
             }
             const auto at =
-                blocks.emplace(std::tuple(r, likelihood.stroke(r, k), likelihood.isMarker(r, k), fold), g.blocks);
+                blocks.emplace(std::tuple(r, likelihood.stroke(r, k), likelihood.channelOf(r, k), fold), g.blocks);
             g.blocks += at.second ? 1 : 0;
             g.block.push_back(at.first->second);
         }

@@ -75,6 +75,21 @@ void dropVelocities(Table& t) {
         }
 }
 
+/// An angular velocity belongs to an angle that swings freely; several, or one beside a force, are not needed.
+void dropAngularVelocities(Table& t) {
+    const auto count = [&](Quantity q) {
+        std::size_t n = 0;
+        for (std::size_t c = 0; c < t.layout.columns; ++c)
+            n += t.headings[c].quantity == q && t.layout.numeric[c] ? 1 : 0;
+        return n;
+    };
+    const bool used =
+        count(Quantity::AngularVelocity) == 1 && count(Quantity::Angle) == 1 && count(Quantity::Force) == 0;
+    for (std::size_t c = 0; c < t.layout.columns; ++c)
+        if (Heading& h = t.headings[c]; h.quantity == Quantity::AngularVelocity && (!used || !t.layout.numeric[c]))
+            h.quantity = Quantity::None;
+}
+
 /// A file with a clock that cannot be read is not one without times.
 Status checkClock(Draft& d, std::size_t unread, const Hints& hints) {
     const Table& t = d.table;
@@ -93,6 +108,7 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
     Table& t = d.table;
     const Layout& l = t.layout;
     dropVelocities(t);
+    dropAngularVelocities(t);
     std::size_t unreadClock = l.columns;
     std::vector<char> done(l.columns, 0);
     for (std::size_t c = 0; c < l.columns; ++c) {

@@ -285,6 +285,10 @@ void findMarker(const std::vector<std::string>& words, Heading& h) {
     }
 }
 
+bool isVelocity(Quantity q) {
+    return q == Quantity::Velocity || q == Quantity::AngularVelocity;
+}
+
 /// The unit in "Force (kN)", "Load [N]", "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what
 /// is left.
 std::string unitInName(std::string& text) {
@@ -305,7 +309,7 @@ std::string unitInName(std::string& text) {
         return {}; // "time of day"
     if (const std::size_t before = text.find_last_of("/_, ", at - 1); before != std::string::npos && before > 0)
         if (const std::string rate = text.substr(before + 1, at - before - 1) + "/" + last; // "velocity_mm_s"
-            unitOf(rate).measures == Quantity::Velocity) {
+            isVelocity(unitOf(rate).measures)) {
             text = text.substr(0, before);
             return rate;
         }
@@ -358,6 +362,8 @@ const char* name(Quantity q) {
         return "number of the row";
     case Quantity::Velocity:
         return "velocity";
+    case Quantity::AngularVelocity:
+        return "angular velocity";
     case Quantity::None:
         break;
     }
@@ -388,9 +394,11 @@ Unit unitOf(std::string_view text) {
             if (k.exactCase ? text == k.written : word == k.written)
                 return {std::string(text), k.measures, k.factor};
     if (const std::size_t slash = text.find('/'); slash != std::string_view::npos && slash > 0) {
-        const Unit length = unitOf(text.substr(0, slash)), time = unitOf(text.substr(slash + 1));
-        if (length.measures == Quantity::Displacement && time.measures == Quantity::Time)
-            return {std::string(text), Quantity::Velocity, length.factor / time.factor};
+        const Unit way = unitOf(text.substr(0, slash)), time = unitOf(text.substr(slash + 1));
+        if (way.measures == Quantity::Displacement && time.measures == Quantity::Time)
+            return {std::string(text), Quantity::Velocity, way.factor / time.factor};
+        if (way.measures == Quantity::Angle && time.measures == Quantity::Time)
+            return {std::string(text), Quantity::AngularVelocity, way.factor / time.factor};
     }
     return {};
 }
@@ -409,6 +417,8 @@ Unit usualUnit(Quantity quantity) {
         return unitOf("mm");
     case Quantity::Velocity:
         return unitOf("mm/s");
+    case Quantity::AngularVelocity:
+        return unitOf("deg/s");
     case Quantity::Counter:
     case Quantity::None:
         break;
@@ -425,8 +435,8 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     if (!trimmed(unitCell).empty())
         unit = std::string(trimmed(unitCell));
     h.unit = unitOf(unit);
-    if (h.unit.measures == Quantity::Velocity) {
-        h.quantity = Quantity::Velocity;
+    if (isVelocity(h.unit.measures)) {
+        h.quantity = h.unit.measures;
         h.unitStated = true;
         h.rank = 5;
         return h;

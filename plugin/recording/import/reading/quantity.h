@@ -9,7 +9,18 @@
 namespace supercircle::importing {
 
 /// Counter: rows numbered by the machine.
-enum class Quantity : std::uint8_t { None, Time, Displacement, Force, Angle, MarkerX, MarkerY, Counter, Velocity };
+enum class Quantity : std::uint8_t {
+    None,
+    Time,
+    Displacement,
+    Force,
+    Angle,
+    MarkerX,
+    MarkerY,
+    Counter,
+    Velocity,
+    AngularVelocity
+};
 
 const char* name(Quantity quantity);
 
@@ -17,7 +28,7 @@ const char* name(Quantity quantity);
 struct Unit {
     std::string name; ///< as it is usually written
     Quantity measures =
-        Quantity::None;  ///< Time, Displacement (any length), Force, Angle, Velocity; None: no unit we know
+        Quantity::None;  ///< Time, Displacement (any length), Force, Angle, a velocity; None: no unit we know
     double factor = 1.0; ///< value in SI = value * factor
 };
 

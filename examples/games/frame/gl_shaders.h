@@ -12,12 +12,19 @@ inline constexpr const char* kPieceVertex = R"(
 layout(location = 0) in vec4 ends; layout(location = 1) in vec2 radii; layout(location = 2) in vec4 cuts;
 layout(location = 3) in vec4 colour; layout(location = 4) in float glow;
 flat out vec4 e; flat out vec2 r; flat out vec4 k; flat out vec4 c; flat out float light; out vec2 p;
+// How far the piece reaches beyond its end: round, or up to the corner of a cut.
+float beyond(vec2 cut, vec2 along, float far) {
+    if (dot(cut, cut) < 1e-6) return far;
+    float c = dot(normalize(cut), along);
+    return far * sqrt(max(1.0 - c * c, 0.0)) / max(c, 0.1) + 0.5;
+}
 void main() {
     vec2 along = ends.zw - ends.xy;
     float far = max(radii.x, radii.y) + 1.0, len = length(along);
     along = len > 1e-5 ? along / len : vec2(1.0, 0.0);
     vec2 side = vec2(-along.y, along.x);
-    p = (gl_VertexID & 1) == 0 ? ends.xy - far * along : ends.zw + far * along;
+    p = (gl_VertexID & 1) == 0 ? ends.xy - beyond(cuts.xy, along, far) * along
+                               : ends.zw + beyond(cuts.zw, along, far) * along;
     p += ((gl_VertexID & 2) == 0 ? -far : far) * side;
     e = ends; r = radii; k = cuts; c = colour; light = glow;
     gl_Position = place(p);

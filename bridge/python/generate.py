@@ -60,6 +60,8 @@ def prototypes(api, header, callbacks):
         if call["header"] == header:
             arguments = "".join(ctype(p["type"], callbacks) + ", " for p in call["parameters"])
             returns = "STATUS" if call["returns"] == "sc_status" else ctype(call["returns"], callbacks)
+            if returns == "c_char_p" and any(p["type"] == "int32_t*" for p in call["parameters"]):
+                returns = "c_void_p"  # a text with zeros inside
             lines.append(f"    \"{call['name']}\": ({returns}, ({arguments})),")
     return lines
 
@@ -112,7 +114,7 @@ def records(api):
 SECTIONS = {
     "Laboratory": ["run", "sweep", "check", "import_recording", "replay", "diagnose", "scenes", "effects", "check_scene"],
     "Results": ["Result", "Series", "Sweep", "Check", "Problem", "Imported", "Replay", "Curve", "Diagnosis", "Effect", "Estimate"],
-    "Worlds": ["World", "Scene", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "Event"],
+    "Worlds": ["World", "Scene", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "Event", "DrawList", "wav"],
     "Records": list(RECORDS.values()),
     "Exceptions": ["Error", "BadInputError", "StaleError", "BusyError", "RefusedError", "FailedError", "OutOfMemoryError", "VersionError",
                    "LibraryError"],

@@ -111,8 +111,7 @@ TEST_CASE("the energy colours get lighter by equal steps and are seen on the gro
     CHECK(packed(energyOnDark(std::nan(""), 1)) == packed(Colour::hex(0x8a9099)));
 }
 
-TEST_CASE("a shell is a shadow, a dark outline, a rim, a body and a highlight; a thin one has the first two and a body",
-          "[picture]") {
+TEST_CASE("a shell is shadow, outline, rim, body and highlight, a thin one shadow, outline and body", "[picture]") {
     Content content;
     content.shells.push_back(arc(0.0));
     CHECK(counts(drawn(content)) ==

@@ -20,6 +20,7 @@ from .errors import (BadInputError, BusyError, Error, FailedError, LibraryError,
 from .lab import (Check, Curve, Diagnosis, Effect, Estimate, Imported, Replay, Result, Series, Sweep, check, diagnose,
                   import_recording, replay, run, sweep)
 from .records import (BodyState, Energy, EventSettings, Filter, Frame, Reaction, Recovery, Section, ShellState, Sleep, Target)
-from .world import Body, Event, Force, Hit, Hold, Joint, MouseJoint, Problem, Scene, Shell, World, Zone, check_scene, effects
+from .world import (Body, DrawList, Event, Force, Hit, Hold, Joint, MouseJoint, Problem, Scene, Shell, World, Zone, check_scene, effects,
+                    wav)
 
 __version__ = "0.2.0"

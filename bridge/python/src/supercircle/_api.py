@@ -492,7 +492,7 @@ CALLS: Prototypes = {
     "sc_picture_make": (STATUS, (sc_world, POINTER(sc_view), )),
     "sc_picture_operations": (c_void_p, (sc_world, c_void_p, )),
     "sc_picture_numbers": (c_void_p, (sc_world, c_void_p, )),
-    "sc_picture_texts": (c_char_p, (sc_world, c_void_p, )),
+    "sc_picture_texts": (c_void_p, (sc_world, c_void_p, )),
     "sc_picture_svg": (c_char_p, (sc_world, POINTER(sc_view), )),
     "sc_sound_make": (STATUS, (sc_world, c_double, )),
     "sc_sound_samples": (c_void_p, (sc_world, c_void_p, )),

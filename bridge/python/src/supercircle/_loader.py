@@ -98,6 +98,11 @@ def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str,
             raise error_of(getattr(library, status)(), sentence())
         return result.decode()
 
+    def check_address(result: int | None, _call: Any, _arguments: Any) -> int:
+        if result is None:
+            raise Error(sentence())
+        return result
+
     # Before anything else: the calls below may be those of another version.
     for name in (version, error):
         if not hasattr(library, name):
@@ -108,7 +113,7 @@ def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str,
         raise VersionError(f"{library._name} has version {found} of the binary interface, and this package needs version "
                            f"{_api.SC_API_VERSION}: install both from the same source tree")
     checks = {_api.STATUS: check_status, ctypes.c_int32: check_count, ctypes.c_double: check_number,
-              ctypes.c_uint64: check_number, ctypes.c_char_p: check_text}
+              ctypes.c_uint64: check_number, ctypes.c_char_p: check_text, ctypes.c_void_p: check_address}
     for name, (result, parameters) in calls.items():
         try:
             call = getattr(library, name)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from ctypes import byref
+from ctypes import byref, c_int32, string_at
 from dataclasses import dataclass, fields
 from types import TracebackType
 from typing import Any, Mapping, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _api, _convert, _files, records
 from ._convert import Floats, Json, Point, SceneSource
@@ -17,7 +17,7 @@ from ._loader import core
 from .errors import BadInputError, FailedError
 from .parts import Body, Force, Hit, Hold, Joint, MouseJoint, Part, Shell, Zone
 
-__all__ = ["World", "Scene", "Event", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit"]
+__all__ = ["World", "Scene", "Event", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "DrawList", "wav"]
 QUALITIES = {"laboratory": _api.SC_QUALITY_LABORATORY, "game": _api.SC_QUALITY_GAME}
 CRUSH = {"wait": _api.SC_CRUSH_WAIT, "let_through": _api.SC_CRUSH_LET_THROUGH, "freeze": _api.SC_CRUSH_FREEZE}
 EVENTS = {_api.SC_CONTACT_BEGIN: "contact_begin", _api.SC_CONTACT_END: "contact_end", _api.SC_IMPULSE: "impulse",
@@ -25,7 +25,8 @@ EVENTS = {_api.SC_CONTACT_BEGIN: "contact_begin", _api.SC_CONTACT_END: "contact_
           _api.SC_CRUSHED: "crushed", _api.SC_BROKE: "broke", _api.SC_OVERLAP: "overlap",
           _api.SC_HOLD_BLOCKED: "hold_blocked", _api.SC_ZONE_ENTER: "zone_enter", _api.SC_ZONE_LEAVE: "zone_leave"}
 LAYERS = {"bodies": _api.SC_LAYER_BODIES, "shells": _api.SC_LAYER_SHELLS, "strain": _api.SC_LAYER_STRAIN,
-          "contacts": _api.SC_LAYER_CONTACTS, "forces": _api.SC_LAYER_FORCES, "holds": _api.SC_LAYER_HOLDS}
+          "contacts": _api.SC_LAYER_CONTACTS, "forces": _api.SC_LAYER_FORCES, "holds": _api.SC_LAYER_HOLDS,
+          "snaps": _api.SC_LAYER_SNAPS}
 P = TypeVar("P", bound=Part)
 
 
@@ -64,6 +65,20 @@ class Event:
     peak_force: float
     energy_released: float
     kinetic_peak: float
+
+
+@dataclass(frozen=True, eq=False)
+class DrawList:
+    """A picture as operations on pixels (docs/reference/picture.md).
+
+    operations: code and count of numbers of each, shape (n, 2)
+    numbers: of all operations, one after the other
+    texts: of the text operations, in their order
+    """
+
+    operations: NDArray[np.int32]
+    numbers: NDArray[np.float32]
+    texts: list[str]
 
 
 @dataclass(frozen=True)
@@ -461,17 +476,59 @@ class World:
         layers: such as "bodies shells", of bodies, shells, strain, contacts, forces, holds; None: all
         centre: m; with `pixels_per_metre`, else everything fits
         """
-        view = _api.sc_view()
-        core().sc_view_init(byref(view))
-        view.width, view.height, view.pixels_per_metre, view.alpha = width, height, pixels_per_metre, alpha
-        if centre is not None:
-            view.centre = _convert.point(centre)
-        if layers is not None:
-            view.layers = sum({_convert.choice(name, LAYERS, "a layer") for name in layers.split()})
-        return str(core().sc_picture_svg(self._handle, byref(view)))
+        return str(core().sc_picture_svg(self._handle, byref(_view(width, height, layers, centre, pixels_per_metre, alpha))))
+
+    def picture(self, width: int = 800, height: int = 600, *, layers: str | None = None, centre: Point | None = None,
+                pixels_per_metre: float = 0.0, alpha: float = 1.0, pixel_ratio: float = 1.0, clock: float = 0.0,
+                reduced_motion: bool = False) -> DrawList:
+        """The world as a list of operations on pixels (docs/reference/picture.md).
+
+        layers, centre, pixels_per_metre: as for svg; another layer is "snaps"
+        clock: of the viewer, by which flashes fade, s; 0: simulated time
+        reduced_motion: without flashes
+        """
+        view = _view(width, height, layers, centre, pixels_per_metre, alpha)
+        view.pixel_ratio, view.clock, view.reduced_motion = pixel_ratio, clock, reduced_motion
+        core().sc_picture_make(self._handle, byref(view))
+        operations = _array(core().sc_picture_operations, self._handle, np.int32).reshape(-1, 2)
+        texts = _array(core().sc_picture_texts, self._handle, np.uint8).tobytes()
+        return DrawList(operations, _array(core().sc_picture_numbers, self._handle, np.float32),
+                        texts.decode().split("\0")[:-1])
+
+    def sound(self, seconds: float) -> NDArray[np.float32]:
+        """The samples that follow the last ones, in which the steps since then are heard: mono, 48000 a second.
+
+        The first call switches the sound of the world on. seconds: 0 to 10
+        """
+        core().sc_sound_make(self._handle, seconds)
+        return _array(core().sc_sound_samples, self._handle, np.float32)
 
     def _repr_html_(self) -> str:
         return self.svg(640, 480) if self._handle.id else "<i>closed world</i>"
+
+
+def _view(width: int, height: int, layers: str | None, centre: Point | None, pixels_per_metre: float, alpha: float) -> _api.sc_view:
+    view = _api.sc_view()
+    core().sc_view_init(byref(view))
+    view.width, view.height, view.pixels_per_metre, view.alpha = width, height, pixels_per_metre, alpha
+    if centre is not None:
+        view.centre = _convert.point(centre)
+    if layers is not None:
+        view.layers = sum({_convert.choice(name, LAYERS, "a layer") for name in layers.split()})
+    return view
+
+
+def _array(call: Any, world: _api.sc_world, kind: Any) -> NDArray[Any]:
+    """A copy of an array of the library, which tells its number."""
+    count = c_int32()
+    address = call(world, byref(count))
+    return np.frombuffer(string_at(address, count.value * np.dtype(kind).itemsize), dtype=kind).copy()
+
+
+def wav(samples: ArrayLike) -> bytes:
+    """Samples of World.sound as a WAV file: mono, 48000 a second, 32-bit floats."""
+    numbers = np.ascontiguousarray(samples, dtype=np.float32)
+    return _bytes(lambda out, capacity: core().sc_sound_wav(numbers.ctypes.data, numbers.size, out, capacity))
 
 
 def _bytes(call: Any) -> bytes:

@@ -48,7 +48,7 @@ struct Press {
 std::vector<Press> collect(const World& world, const TrialStep& t, Sets& sets) {
     const ContactStage& stage = t.stage;
     const std::size_t rods = world.rods.size();
-    const auto dynamic = [&](int body) { return stage.place[static_cast<std::size_t>(body)].block >= 0; };
+    const auto dynamic = [&](int body) { return stage.host.place[static_cast<std::size_t>(body)].block >= 0; };
     std::vector<Press> presses;
     for (std::size_t i = 0; i < stage.candidates.size(); ++i) {
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * i));
@@ -66,7 +66,7 @@ std::vector<Press> collect(const World& world, const TrialStep& t, Sets& sets) {
                                n * r.x() + rod::perp(n) * r.y()});
         }
     }
-    for (const LinkEnds& e : stage.linkEnds)
+    for (const LinkEnds& e : stage.links.ends)
         if (e.counts && e.rodB >= 0)
             sets.join(static_cast<std::size_t>(e.rodA), static_cast<std::size_t>(e.rodB));
         else if (e.counts && e.body >= 0 && dynamic(e.body))

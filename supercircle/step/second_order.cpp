@@ -51,13 +51,15 @@ bool touchHeldBody(const World& world, const TrialStep& t) {
 
 /// Whether bodies have moved with rods: stages of the others do not know where they are.
 bool anyBodyFree(const TrialStep& t) {
-    return std::any_of(t.stage.motion.begin(), t.stage.motion.end(), [](const BodyMotion& m) { return m.isFree; });
+    return std::any_of(t.stage.host.motion.begin(), t.stage.host.motion.end(),
+                       [](const BodyMotion& m) { return m.isFree; });
 }
 
 /// Whether all that acts can be extrapolated.
 bool canBeMade(const World& world, const Settings& s, const TrialStep& t) {
-    if (!s.secondOrder || s.fixedDt > 0.0 || t.stage.linkCount > 0 || t.stage.pushCount > 0 || !t.stage.pulls.empty() ||
-        !world.overlaps.empty() || !world.passages.empty() || !world.crossheadVelocity.isZero(0.0))
+    if (!s.secondOrder || s.fixedDt > 0.0 || t.stage.links.count > 0 || t.stage.pushes.count > 0 ||
+        !t.stage.pulls.empty() || !world.overlaps.empty() || !world.passages.empty() ||
+        !world.crossheadVelocity.isZero(0.0))
         return false;
     int solved = 0;
     for (std::size_t i = 0; i < t.rods.size(); ++i) {
@@ -106,11 +108,11 @@ void collectStatus(const TrialStep& stage, ContactStatuses& out) {
     };
     for (std::size_t i = 0; i < c.candidates.size(); ++i)
         add(c.candidates[i].id, i);
-    for (std::size_t i = 0; i < c.hostEntries.size() && !c.problem.contacts.empty(); ++i)
-        add(idOfEntry(c.hostEntries[i]), c.candidates.size() + c.linkCount + i);
-    for (std::size_t k = 0; k < c.saturated.size(); ++k)
-        if (c.saturated[k] != 0)
-            out.emplace_back(kHostRow + k, c.saturated[k]);
+    for (std::size_t i = 0; i < c.host.entries.size() && !c.problem.contacts.empty(); ++i)
+        add(idOfEntry(c.host.entries[i]), c.candidates.size() + c.links.count + i);
+    for (std::size_t k = 0; k < c.host.saturated.size(); ++k)
+        if (c.host.saturated[k] != 0)
+            out.emplace_back(kHostRow + k, c.host.saturated[k]);
     std::sort(out.begin(), out.end());
 }
 
@@ -123,14 +125,15 @@ bool collectStatusBefore(const World& world, const TrialStep& stage, ContactStat
             out.emplace_back(f->id, statusOf(f->normal, f->tangent, c.problem.contacts[i].mu));
     const bool all = out.size() == world.impulses.size();
     const HostConstraints& host = world.constraints;
-    for (std::size_t i = 0; i < c.hostEntries.size() && !c.problem.contacts.empty(); ++i) {
-        const int entry = c.hostEntries[i];
+    for (std::size_t i = 0; i < c.host.entries.size() && !c.problem.contacts.empty(); ++i) {
+        const int entry = c.host.entries[i];
         const Vec2 force = entry >= 0 ? Vec2(host.contacts[static_cast<std::size_t>(entry)].normalForce,
                                              host.contacts[static_cast<std::size_t>(entry)].tangentForce)
                                       : Vec2(host.rows[static_cast<std::size_t>(-1 - entry)].last, 0.0);
         if (force.x() > 0.0)
-            out.emplace_back(idOfEntry(entry), statusOf(force.x(), force.y(),
-                                                        c.problem.contacts[c.candidates.size() + c.linkCount + i].mu));
+            out.emplace_back(
+                idOfEntry(entry),
+                statusOf(force.x(), force.y(), c.problem.contacts[c.candidates.size() + c.links.count + i].mu));
     }
     for (std::size_t k = 0; k < host.rows.size(); ++k)
         if (host.rows[k].saturated != 0)
@@ -353,7 +356,7 @@ bool crosses(const World& start, const Settings& s, const TrialStep& t, TrialSte
         return false;
     for (std::size_t i = 0; i < t.rods.size(); ++i)
         if (t.rods[i].isFree)
-            last.stage.curves[i] = t.stage.curves[i];
+            last.stage.detection.curves[i] = t.stage.detection.curves[i];
     checkCrossings(start, last);
     return last.result.reason != Reason::None || last.result.outOfWork;
 }

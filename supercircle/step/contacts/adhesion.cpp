@@ -249,7 +249,7 @@ AdhesionWork linearised(const World& world, const std::vector<RodWork>& rods, st
         p.wayB = 2.0 * p.rowB.dot(rods[j].qk - other.q);
     } else {
         const auto b = static_cast<std::size_t>(near.bodyB);
-        const BodyMotion& m = stage.motion[b];
+        const BodyMotion& m = stage.host.motion[b];
         p.armB = near.foot - (world.bodies[b].state.centre + dt * m.velocity);
         p.surface = p.normal.dot(m.velocity + m.spin * rod::perp(p.armB));
     }
@@ -265,7 +265,7 @@ void collectAdhesion(const World& world, const std::vector<RodWork>& rods, doubl
     std::vector<rod::Kinematics> kin(world.rods.size());
     for (std::size_t i = 0; i < kin.size(); ++i)
         kin[i].evaluate(world.rods[i].model, world.rods[i].q + 2.0 * (rods[i].qk - world.rods[i].q));
-    const Surroundings around(world, std::move(kin), stage.motion, dt);
+    const Surroundings around(world, std::move(kin), stage.host.motion, dt);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         around.forNear(i, [&](std::size_t k, const Near& near) {
             stage.pulls.push_back(linearised(world, rods, i, k, near, stage, dt));
@@ -289,7 +289,7 @@ void addAdhesion(const ContactStage& stage, int rod, double dt, RodWork& w) {
 double adhesionError(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {
     if (!anyAttraction(world))
         return 0.0;
-    const Surroundings around(world, atEnd(rods, world), stage.motion, dt);
+    const Surroundings around(world, atEnd(rods, world), stage.host.motion, dt);
     double sum = 0.0, wrong = 0.0, floor = 0.0;
     std::vector<bool> still(stage.pulls.size(), false); // near
     std::size_t next = 0;
@@ -328,8 +328,8 @@ AdhesionEnergies recordAdhesion(World& world, const std::vector<RodWork>& rods, 
     AdhesionEnergies out;
     if (!anyAttraction(world))
         return out;
-    const std::vector<double> before = energies(world, Surroundings(world, atStart(world), stage.motion, 0.0));
-    const std::vector<double> after = energies(world, Surroundings(world, atEnd(rods, world), stage.motion, dt));
+    const std::vector<double> before = energies(world, Surroundings(world, atStart(world), stage.host.motion, 0.0));
+    const std::vector<double> after = energies(world, Surroundings(world, atEnd(rods, world), stage.host.motion, dt));
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
         effects::EffectEnergy& book = world.rods[i].effects.energies[static_cast<std::size_t>(effects::Key::Adhesion)];
         out.taken += after[i] - before[i];

@@ -120,10 +120,10 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
         k.bodyB = bodyIndex(world, piece.body);
         SC_ASSERT(k.bodyB >= 0, "an outline belongs to a body");
         const Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
-        const BodyMotion& motion = stage.motion[static_cast<std::size_t>(k.bodyB)];
+        const BodyMotion& motion = stage.host.motion[static_cast<std::size_t>(k.bodyB)];
         k.armB = c.pointB - (body.state.centre + 0.5 * dt * motion.velocity);
         out.mu = frictionOf(world, rodA.material, rodA.mu, materialOf(world, piece.body), piece.friction);
-        out.b = stage.place[static_cast<std::size_t>(k.bodyB)].block;
+        out.b = stage.host.place[static_cast<std::size_t>(k.bodyB)].block;
         if (out.b >= 0) {
             out.Hb.setZero(2, stage.problem.bodies[static_cast<std::size_t>(out.b)].vFree.size());
             addToRow(stage, k.bodyB, -n, -n.dot(rod::perp(k.armB)), out.Hb.row(0));
@@ -252,19 +252,19 @@ void addRodBodies(const World& world, std::vector<RodWork>& rods, ContactStage& 
         take(c.a.rod);
         take(c.b.rod);
     }
-    for (std::size_t i = 0; i < stage.linkCount; ++i) {
-        take(stage.linkRows[i].rodA);
-        take(stage.linkRows[i].rodB);
+    for (std::size_t i = 0; i < stage.links.count; ++i) {
+        take(stage.links.rows[i].rodA);
+        take(stage.links.rows[i].rodB);
     }
-    for (std::size_t i = 0; i < stage.pushCount; ++i) {
-        take(stage.pushes[i].rodA);
-        take(stage.pushes[i].rodB);
+    for (std::size_t i = 0; i < stage.pushes.count; ++i) {
+        take(stage.pushes.rows[i].rodA);
+        take(stage.pushes.rows[i].rodB);
     }
     for (RodWork& w : rods)
         if (w.body == 0)
             w.body = count++;
-    while (stage.problem.bodies.size() > stage.hostBlocks) { // blocks of the host keep their storage
-        stage.spareBlocks.push_back(std::move(stage.problem.bodies.back()));
+    while (stage.problem.bodies.size() > stage.host.firstBlock) { // blocks of the host keep their storage
+        stage.host.spareBlocks.push_back(std::move(stage.problem.bodies.back()));
         stage.problem.bodies.pop_back();
     }
     SC_ASSERT(static_cast<std::size_t>(count) <= rods.size(), "one block a rod at most");
@@ -322,16 +322,16 @@ BodyMotion predictedMotion(const Body& b) {
 }
 
 void predictMotion(const World& world, ContactStage& stage) {
-    stage.motion.resize(world.bodies.size());
+    stage.host.motion.resize(world.bodies.size());
     for (std::size_t i = 0; i < world.bodies.size(); ++i)
-        stage.motion[i] = predictedMotion(world.bodies[i]);
+        stage.host.motion[i] = predictedMotion(world.bodies[i]);
 }
 
 bool isOfFreeBody(const World& world, const ContactStage& stage, const contact::Candidate& c) {
     if (c.outline < 0)
         return false;
     const int index = bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body);
-    return index >= 0 && stage.motion[static_cast<std::size_t>(index)].isFree;
+    return index >= 0 && stage.host.motion[static_cast<std::size_t>(index)].isFree;
 }
 
 void placeOutlines(const World& world, const std::vector<BodyMotion>& motion, double ahead, double motionTime,
@@ -368,36 +368,37 @@ void collide(const World& world, const std::vector<const rod::Kinematics*>& kin,
              std::vector<contact::Candidate>& out) {
     SC_ASSERT(kin.size() == world.rods.size() && range.size() == world.rods.size(), "one configuration a rod");
     SC_ASSERT(!(ahead < 0.0) && !(margin < 0.0), "looks forward, outwards");
-    placeOutlines(world, stage.motion, ahead, motionTime, stage.outlineKeys, stage.outlines);
-    stage.curves.resize(world.rods.size());
+    placeOutlines(world, stage.host.motion, ahead, motionTime, stage.scratch.outlineKeys, stage.detection.outlines);
+    stage.detection.curves.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32, [&](std::size_t i) {
-        toCurve(world.rods[i], *kin[i], stage.curves[i]);
-        stage.curves[i].motion = range[i];
+        toCurve(world.rods[i], *kin[i], stage.detection.curves[i]);
+        stage.detection.curves[i].motion = range[i];
     });
-    stage.detector.detect(stage.curves, stage.outlines, {margin}, out, stage.loop);
+    stage.detection.detector.detect(stage.detection.curves, stage.detection.outlines, {margin}, out, stage.loop);
     collectExcluded(world, stage);
-    collectPassing(world, stage.passing);
-    stage.behind = std::erase_if(out, [&](const contact::Candidate& c) { return comesFromBehind(world, c); }) > 0;
+    collectPassing(world, stage.detection.passing);
+    stage.detection.behind =
+        std::erase_if(out, [&](const contact::Candidate& c) { return comesFromBehind(world, c); }) > 0;
     std::erase_if(out,
                   [&](const contact::Candidate& c) { return excluded(world, stage, c.a.rod, c.b.rod, c.outline); });
 }
 
 void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const std::vector<contact::Candidate>& start,
                    bool addNew, double dt, ContactStage& stage) {
-    placeOutlines(world, stage.motion, 0.5 * dt, 0.0, stage.outlineKeys, stage.outlinesMiddle);
-    stage.curvesMiddle.resize(world.rods.size());
+    placeOutlines(world, stage.host.motion, 0.5 * dt, 0.0, stage.scratch.outlineKeys, stage.detection.outlinesMiddle);
+    stage.detection.curvesMiddle.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
-                      [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.curvesMiddle[i]); });
+                      [&](std::size_t i) { toCurve(world.rods[i], rods[i].kin, stage.detection.curvesMiddle[i]); });
     stage.candidates = start;
     stage.gapAtStart.clear();
     for (const contact::Candidate& c : start)
         stage.gapAtStart.push_back(c.gap);
     if (addNew) { // found at the end only: their gap at the start follows from the motion between
-        sortedIds(start, stage.ids);
+        sortedIds(start, stage.scratch.ids);
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
         for (const contact::Candidate& c : stage.after) {
             if (c.gap > stage.addBelow || isOfFreeRod(rods, c) ||
-                std::binary_search(stage.ids.begin(), stage.ids.end(), c.id))
+                std::binary_search(stage.scratch.ids.begin(), stage.scratch.ids.end(), c.id))
                 continue;
             const auto ia = static_cast<std::size_t>(c.a.rod);
             surfaceRows(world.rods[ia], rods[ia], c.a, c.pointA, c.normal, rod::perp(c.normal), rows);
@@ -408,7 +409,7 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
                 gap += rows.row(0).dot(rods[ib].q1 - world.rods[ib].q);
             } else {
                 const auto ib = static_cast<std::size_t>(bodyIndex(world, pieceOf(world, c).body));
-                const BodyMotion& m = stage.motion[ib];
+                const BodyMotion& m = stage.host.motion[ib];
                 const Vec2 arm = c.pointB - (world.bodies[ib].state.centre + dt * m.velocity);
                 gap += dt * c.normal.dot(surfaceVelocity(m, arm));
             }
@@ -417,18 +418,19 @@ void frameInMiddle(const World& world, const std::vector<RodWork>& rods, const s
         }
     }
     parallel::forEach(stage.loop, stage.candidates.size(), 64, [&](std::size_t i) {
-        contact::updateCandidate(stage.candidates[i], stage.curvesMiddle, stage.outlinesMiddle);
+        contact::updateCandidate(stage.candidates[i], stage.detection.curvesMiddle, stage.detection.outlinesMiddle);
     });
     SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size() && stage.candidates.size() >= start.size(),
               "no candidate is lost");
     if (stage.leavesTips)
-        leaveOutPassedTips(start, stage.curvesMiddle, stage.candidates, stage.gapAtStart);
+        leaveOutPassedTips(start, stage.detection.curvesMiddle, stage.candidates, stage.gapAtStart);
 }
 
 void couple(const World& world, std::vector<RodWork>& rods, double dt, const std::vector<ContactImpulse>& warm,
             bool again, ContactStage& stage) {
     SC_ASSERT(dt > 0.0, "a step takes time");
-    SC_ASSERT(rods.size() == world.rods.size() && stage.motion.size() == world.bodies.size(), "sizes of the world");
+    SC_ASSERT(rods.size() == world.rods.size() && stage.host.motion.size() == world.bodies.size(),
+              "sizes of the world");
     stage.problem.dt = dt;
     prepareLinks(world, rods, dt, again, stage);
     prepareOverlaps(world, rods, dt, stage);
@@ -436,15 +438,15 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     addHostBlocks(world, dt, stage);
     listHostContacts(world, stage);
     const std::size_t n = stage.candidates.size(),
-                      all = n + stage.linkCount + stage.hostEntries.size() + stage.pushCount;
+                      all = n + stage.links.count + stage.host.entries.size() + stage.pushes.count;
     stage.problem.contacts.resize(all);
     stage.work.resize(n);
     stage.problem.r0.setZero(static_cast<Eigen::Index>(2 * all));
-    sortedIds(stage.candidates, stage.ids);
+    sortedIds(stage.candidates, stage.scratch.ids);
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
-        const ContactImpulse before = forceBefore(warm, stage.ids, c);
+        const ContactImpulse before = forceBefore(warm, stage.scratch.ids, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;
     });

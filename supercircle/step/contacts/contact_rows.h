@@ -55,61 +55,89 @@ struct PushRow : ContactWork {
     Eigen::Matrix<double, 2, Eigen::Dynamic> Hb; ///< rows of that block, the sign of the body included
 };
 
-/// Everything the contacts of one attempt need.
-struct ContactStage {
-    std::vector<contact::RodCurve> curves, curvesMiddle;
+/// Where the rods and outlines are, for detection.
+struct DetectionWork {
+    std::vector<contact::RodCurve> curves, curvesMiddle; ///< where detection was asked, and in the middle of the step
     std::vector<contact::Outline> outlines, outlinesMiddle;
-    std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
-    std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
-    std::vector<contact::Candidate> after;      ///< at the end of the attempt
-    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
-    bool leavesTips = false; ///< Settings::leavesTips
-    std::vector<ContactWork> work;
-    std::vector<AdhesionWork> pulls;       ///< of adhesion
-    std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
-    std::vector<BodyPlace> place;          ///< per World::bodies
-    std::vector<BodyMotion> motion;        ///< per World::bodies: as predicted, then as solved
-    std::vector<BodyEnds> contactEnds;     ///< of World::constraints.contacts
-    std::vector<BodyEnds> rowEnds;         ///< of World::constraints.rows
-    std::vector<int> hostEntries;          ///< the problem's contacts after the links: k = host contact, -1 - k = limit
-    std::vector<int> saturated;            ///< of World::constraints.rows in this attempt, as HostRow::saturated
-    std::size_t hostBlocks = 0;            ///< the problem's bodies from here on are blocks of host bodies
-    std::vector<LinkEnds> linkEnds;        ///< per World::links
-    std::vector<LinkRow> linkRows;         ///< storage; the first linkCount belong to this attempt
-    std::size_t linkCount = 0;
-    std::vector<PushRow> pushes; ///< storage; the first pushCount belong to this attempt
-    std::size_t pushCount = 0;
     std::vector<std::pair<std::uint64_t, std::uint64_t>> excluded; ///< pairs that do not collide, sorted
     std::vector<std::pair<int, int>> passing; ///< rods, and outlines that they pass from behind, sorted
     bool behind = false;                      ///< detection last found contacts of what comes from behind
-    double h = 0.0;                           ///< thinnest shell, which `overlaps` is given for, m
-    double length = 0.0;                      ///< Settings::length
-    OverlapClosing overlaps;
-    coulomb::Problem problem; ///< contacts: of the candidates, of linkRows, of the host, of pushes
-    coulomb::Solver solver;
-    coulomb::SolveReport report;
     contact::Detector detector;
-    parallel::For loop;                    ///< over the threads of the settings; empty: one
-    Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
-    std::vector<Eigen::VectorXd> velocity; ///< per problem body
-    // Scratch, kept so that a warm step takes nothing from the heap.
-    std::vector<std::uint64_t> ids; ///< sorted
-    std::vector<std::uint32_t> outlineKeys;
-    std::vector<std::pair<std::uint32_t, int>> rodOfKey; ///< sorted
-    std::vector<LoadedPoint> loadedPoints;
-    std::vector<RollingPair> rollingPairs;
-    std::vector<int> problemBodies;                   ///< indices into World::bodies
-    std::vector<char> marked;                         ///< per World::bodies or rods
-    std::vector<int> groups, groupBlocks, blockSizes; ///< of host bodies, host_rows.cpp
+};
+
+/// Links of the attempt.
+struct LinkWork {
+    std::vector<LinkEnds> ends; ///< per World::links
+    std::vector<LinkRow> rows;  ///< storage; the first `count` belong to this attempt
+    std::size_t count = 0;
+};
+
+/// Pushes of overlaps in the attempt.
+struct PushWork {
+    std::vector<PushRow> rows; ///< storage; the first `count` belong to this attempt
+    std::size_t count = 0;
+};
+
+/// Bodies and constraints of the host in the attempt.
+struct HostWork {
+    std::vector<BodyPlace> place;      ///< per World::bodies
+    std::vector<BodyMotion> motion;    ///< per World::bodies: as predicted, then as solved
+    std::vector<BodyEnds> contactEnds; ///< of World::constraints.contacts
+    std::vector<BodyEnds> rowEnds;     ///< of World::constraints.rows
+    std::vector<int> entries;          ///< the problem's contacts after the links: k = host contact, -1 - k = limit
+    std::vector<int> saturated;        ///< of World::constraints.rows in this attempt, as HostRow::saturated
+    std::size_t firstBlock = 0;        ///< the problem's bodies from here on are blocks of host bodies
+    // Scratch, of host_rows.cpp:
+    std::vector<int> groups, groupBlocks, blockSizes; ///< of host bodies
     std::vector<coulomb::Body> spareBlocks;
     std::vector<Eigen::LLT<Eigen::MatrixXd>> blockFactors;
     std::vector<double> row;
 };
 
+/// Storage that a warm step need not take from the heap.
+struct ContactScratch {
+    std::vector<std::uint64_t> ids; ///< sorted
+    std::vector<std::uint32_t> outlineKeys;
+    std::vector<std::pair<std::uint32_t, int>> rodOfKey; ///< sorted
+    std::vector<LoadedPoint> loadedPoints;
+    std::vector<RollingPair> rollingPairs;
+    std::vector<int> problemBodies; ///< indices into World::bodies
+    std::vector<char> marked;       ///< per World::bodies or rods
+};
+
+/// Everything the contacts of one attempt need.
+struct ContactStage {
+    double h = 0.0;      ///< thinnest shell, which `overlaps` is given for, m
+    double length = 0.0; ///< Settings::length
+    OverlapClosing overlaps;
+    parallel::For loop; ///< over the threads of the settings; empty: one
+    DetectionWork detection;
+    // Linearise:
+    std::vector<contact::Candidate> candidates; ///< frames at the linearisation point
+    std::vector<double> gapAtStart;             ///< of each candidate at the start of the step, m
+    std::vector<contact::Candidate> after;      ///< at the end of the attempt
+    double addBelow = 1e300; ///< m, those found at the end only are added when their gap there is smaller
+    bool leavesTips = false; ///< Settings::leavesTips
+    // Assemble:
+    std::vector<ContactWork> work;
+    std::vector<AdhesionWork> pulls;       ///< of adhesion
+    std::map<std::uint64_t, double> slips; ///< by contact id: speed the friction was taken at, m/s (friction_state.h)
+    LinkWork links;
+    PushWork pushes;
+    HostWork host;
+    coulomb::Problem problem; ///< contacts: of the candidates, of links.rows, of the host, of pushes.rows
+    // Solve:
+    coulomb::Solver solver;
+    coulomb::SolveReport report;
+    Eigen::VectorXd r;                     ///< impulses, 2 per contact, N s
+    std::vector<Eigen::VectorXd> velocity; ///< per problem body
+    ContactScratch scratch;
+};
+
 /// How overlaps of pairs of the thickness `h` m close.
 [[nodiscard]] OverlapClosing overlapClosing(const Settings& settings, double h);
 
-/// Fills stage.motion with the bodies' present velocities: the prediction of a step.
+/// Fills stage.host.motion with the bodies' present velocities: the prediction of a step.
 void predictMotion(const World& world, ContactStage& stage);
 [[nodiscard]] BodyMotion predictedMotion(const Body& b);
 
@@ -146,7 +174,8 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
 void reduce(const RodWork& w, const Eigen::Matrix<double, 2, Eigen::Dynamic>& full, double sign, Vec2& offset,
             Eigen::Matrix<double, 2, Eigen::Dynamic>& reduced);
 
-/// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into stage.motion.
+/// Solves, and puts the new velocities into rods (contact-free ones get their free velocity) and into
+/// stage.host.motion.
 void solveContacts(const World& world, std::vector<RodWork>& rods, const coulomb::SolverOptions& options,
                    ContactStage& stage);
 

@@ -134,10 +134,10 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         w.rollingCount = 0;
     if (warm.empty()) // nothing carried force
         return;
-    sortedIds(stage.candidates, stage.ids);
-    loadedSamples(stage.candidates, warm, stage.loadedPoints);
+    sortedIds(stage.candidates, stage.scratch.ids);
+    loadedSamples(stage.candidates, warm, stage.scratch.loadedPoints);
     const std::size_t count = stage.candidates.size();
-    std::vector<RollingPair>& pairs = stage.rollingPairs;
+    std::vector<RollingPair>& pairs = stage.scratch.rollingPairs;
     pairs.resize(std::max(pairs.size(), count));
     parallel::forEach(stage.loop, count, 64, [&](std::size_t i) {
         pairs[i].any = false;
@@ -146,7 +146,8 @@ void collectRolling(const World& world, std::vector<RodWork>& rods, double dt, c
         if (kind != contact::Feature::Interior && kind != contact::Feature::InteriorOutline)
             return;
         const double width = world.rods[static_cast<std::size_t>(c.a.rod)].model.elementLength(c.a.element);
-        const double normal = forceBefore(warm, stage.ids, c).normal + forceAround(stage.loadedPoints, c, width);
+        const double normal =
+            forceBefore(warm, stage.scratch.ids, c).normal + forceAround(stage.scratch.loadedPoints, c, width);
         if (normal > 0.0)
             rollingOf(world, rods, dt, normal, firstIteration, c, pairs[i]);
     });
@@ -209,7 +210,7 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
         for (const MouseJoint& g : world.rods[i].mouseJoints)
             pull(model, rod::locate(model, g.s), g.force, w);
     }
-    SC_ASSERT(stage.linkEnds.size() == world.links.size(), "the ends of all links are known");
+    SC_ASSERT(stage.links.ends.size() == world.links.size(), "the ends of all links are known");
     for (std::size_t k = 0; k < world.links.size(); ++k) {
         const Link& l = world.links[k];
         const auto at = [&](int rod, double s, const Vec2& force) {
@@ -217,8 +218,8 @@ void collectAxial(const World& world, std::vector<RodWork>& rods, const std::vec
             if (rod >= 0 && !force.isZero(0.0))
                 pull(world.rods[i].model, rod::locate(world.rods[i].model, s), force, rods[i]);
         };
-        at(stage.linkEnds[k].rodA, l.sA, l.force);
-        at(stage.linkEnds[k].rodB, l.sB, -l.force);
+        at(stage.links.ends[k].rodA, l.sA, l.force);
+        at(stage.links.ends[k].rodB, l.sB, -l.force);
     }
     for (const contact::Candidate& c : stage.candidates) {
         const ContactImpulse* before = findImpulse(warm, c.id);

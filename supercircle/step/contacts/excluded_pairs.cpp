@@ -19,15 +19,15 @@ std::pair<std::uint64_t, std::uint64_t> pairOf(std::uint32_t rod, BodyId body) {
 } // namespace
 
 void collectExcluded(const World& world, ContactStage& stage) {
-    stage.excluded.clear();
+    stage.detection.excluded.clear();
     for (const Link& l : world.links)
         if (!l.collide && l.end == LinkEnd::Rod)
-            stage.excluded.push_back(pairOf(l.rodA, l.rodB));
+            stage.detection.excluded.push_back(pairOf(l.rodA, l.rodB));
         else if (!l.collide && l.end == LinkEnd::Body)
-            stage.excluded.push_back(pairOf(l.rodA, l.body));
+            stage.detection.excluded.push_back(pairOf(l.rodA, l.body));
     for (const Passage& p : world.passages)
-        stage.excluded.push_back(pairOf(p.rod, p.body));
-    std::sort(stage.excluded.begin(), stage.excluded.end());
+        stage.detection.excluded.push_back(pairOf(p.rod, p.body));
+    std::sort(stage.detection.excluded.begin(), stage.detection.excluded.end());
 }
 
 bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB, int outline) {
@@ -35,14 +35,15 @@ bool excluded(const World& world, const ContactStage& stage, int rodA, int rodB,
         vetoed(world, world.rods[static_cast<std::size_t>(rodA)], world.outlines[static_cast<std::size_t>(outline)]))
         return true;
     if (isOverlap(world, rodA, rodB, outline, true) ||
-        (rodB < 0 && std::binary_search(stage.passing.begin(), stage.passing.end(), std::pair(rodA, outline))))
+        (rodB < 0 &&
+         std::binary_search(stage.detection.passing.begin(), stage.detection.passing.end(), std::pair(rodA, outline))))
         return true;
-    if (stage.excluded.empty())
+    if (stage.detection.excluded.empty())
         return false;
     const std::uint32_t a = world.rods[static_cast<std::size_t>(rodA)].key;
     const auto pair = rodB >= 0 ? pairOf(a, world.rods[static_cast<std::size_t>(rodB)].key)
                                 : pairOf(a, world.outlines[static_cast<std::size_t>(outline)].body);
-    return std::binary_search(stage.excluded.begin(), stage.excluded.end(), pair);
+    return std::binary_search(stage.detection.excluded.begin(), stage.detection.excluded.end(), pair);
 }
 
 } // namespace supercircle::step

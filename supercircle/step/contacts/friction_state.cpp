@@ -24,7 +24,7 @@ double slipOf(const std::vector<RodWork>& rods, double dt, const ContactStage& s
     if (k.rodB >= 0) {
         u -= k.Jb.row(1).dot(rods[static_cast<std::size_t>(k.rodB)].v);
     } else {
-        const BodyMotion& m = stage.motion[static_cast<std::size_t>(k.bodyB)];
+        const BodyMotion& m = stage.host.motion[static_cast<std::size_t>(k.bodyB)];
         u -= rod::perp(stage.candidates[i].normal).dot(m.velocity + m.spin * rod::perp(k.armB));
     }
     if (k.give.y() > 0.0) // what the contact's spring takes is no slip

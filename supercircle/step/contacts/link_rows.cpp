@@ -157,8 +157,8 @@ Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const C
             given.x() += row.lever * body.state.spin;
     } else if (e.rodB < 0) {
         Places start, end;
-        placeOther(world, rods, stage.motion, l, e, When::Start, dt, start);
-        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
+        placeOther(world, rods, stage.host.motion, l, e, When::Start, dt, start);
+        placeOther(world, rods, stage.host.motion, l, e, When::End, dt, end);
         given = inRow(row, (end.b - start.b) / dt, (end.angleB - start.angleB) / dt);
     }
     if (row.kind == LinkRowKind::Pull)
@@ -177,7 +177,7 @@ Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const Co
     add(e.rodA, row.Ja, 1.0);
     add(e.rodB, row.Jb, -1.0);
     if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
-        const BodyMotion& m = stage.motion[static_cast<std::size_t>(e.body)];
+        const BodyMotion& m = stage.host.motion[static_cast<std::size_t>(e.body)];
         const HostCoupling& h = world.bodies[static_cast<std::size_t>(e.body)].hostCoupling;
         const Vec2 velocity = m.velocity - h.drift;
         const double spin = m.spin - h.driftSpin;
@@ -190,12 +190,12 @@ Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const Co
 void addRow(const World& world, const std::vector<RodWork>& rods, double dt, bool again, int index, LinkRowKind kind,
             const Ends& e, ContactStage& stage) {
     const Link& l = world.links[static_cast<std::size_t>(index)];
-    const Places middle = placesOf(world, rods, stage.motion, l, e, When::Middle, dt);
+    const Places middle = placesOf(world, rods, stage.host.motion, l, e, When::Middle, dt);
     SC_ASSERT(e.counts && e.rodA >= 0, "a link whose ends are there");
-    const std::size_t used = stage.linkCount++;
-    if (stage.linkRows.size() < stage.linkCount)
-        stage.linkRows.emplace_back();
-    LinkRow& row = stage.linkRows[used];
+    const std::size_t used = stage.links.count++;
+    if (stage.links.rows.size() < stage.links.count)
+        stage.links.rows.emplace_back();
+    LinkRow& row = stage.links.rows[used];
     row.link = index;
     row.kind = kind;
     row.lever = lever(world, e);
@@ -214,11 +214,11 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
     if (e.body >= 0)
         row.armB = turned(l.local, middle.angleB);
     row.surface = givenVelocity(world, rods, stage, l, row, e, dt);
-    const Vec2 gap = gapOf(row, l, placesOf(world, rods, stage.motion, l, e, When::Start, dt), l.length);
+    const Vec2 gap = gapOf(row, l, placesOf(world, rods, stage.host.motion, l, e, When::Start, dt), l.length);
     const Vec2 left = leftOpen(row, gap, closingOf(rods, e), dt);
     row.closing = (left - gap) / dt;
     if (again) {
-        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        const Places end = placesOf(world, rods, stage.host.motion, l, e, When::End, dt);
         row.bias = (gapOf(row, l, end, lengthAfter(l, dt)) - left) / dt - lastVelocity(world, rods, stage, row, e);
     } else {
         row.bias = (gap - left) / dt;
@@ -228,13 +228,13 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
 /// A tether far from being taut needs no row.
 bool mayPull(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
              const Ends& e, double dt, bool again) {
-    const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
+    const Places start = placesOf(world, rods, stage.host.motion, l, e, When::Start, dt);
     double way = world.rods[static_cast<std::size_t>(e.rodA)].speed + l.reel;
     if (e.rodB >= 0) {
         way += world.rods[static_cast<std::size_t>(e.rodB)].speed;
     } else {
         Places end;
-        placeOther(world, rods, stage.motion, l, e, When::End, dt, end);
+        placeOther(world, rods, stage.host.motion, l, e, When::End, dt, end);
         way += (end.b - start.b).norm() / dt;
     }
     const double reach = 2.0 * dt * (way + dt * world.gravity.norm()) + 0.01 * l.length;
@@ -242,25 +242,25 @@ bool mayPull(const World& world, const std::vector<RodWork>& rods, const Contact
         return true;
     if (!again)
         return false;
-    const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+    const Places end = placesOf(world, rods, stage.host.motion, l, e, When::End, dt);
     return lengthAfter(l, dt) - (end.a - end.b).norm() < reach;
 }
 
 } // namespace
 
 void findLinkEnds(const World& world, ContactStage& stage) {
-    stage.linkEnds.assign(world.links.size(), Ends{});
-    stage.rodOfKey.clear();
+    stage.links.ends.assign(world.links.size(), Ends{});
+    stage.scratch.rodOfKey.clear();
     if (world.links.empty())
         return;
     for (std::size_t i = 0; i < world.rods.size(); ++i)
-        stage.rodOfKey.emplace_back(world.rods[i].key, static_cast<int>(i));
-    std::sort(stage.rodOfKey.begin(), stage.rodOfKey.end());
+        stage.scratch.rodOfKey.emplace_back(world.rods[i].key, static_cast<int>(i));
+    std::sort(stage.scratch.rodOfKey.begin(), stage.scratch.rodOfKey.end());
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        Ends& e = stage.linkEnds[i];
-        e.rodA = rodOf(stage.rodOfKey, l.rodA);
-        e.rodB = l.end == LinkEnd::Rod ? rodOf(stage.rodOfKey, l.rodB) : -1;
+        Ends& e = stage.links.ends[i];
+        e.rodA = rodOf(stage.scratch.rodOfKey, l.rodA);
+        e.rodB = l.end == LinkEnd::Rod ? rodOf(stage.scratch.rodOfKey, l.rodB) : -1;
         e.body = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1;
         const bool there =
             e.rodA >= 0 && (e.rodB >= 0 || l.end != LinkEnd::Rod) && (e.body >= 0 || l.end != LinkEnd::Body);
@@ -270,12 +270,12 @@ void findLinkEnds(const World& world, ContactStage& stage) {
 }
 
 void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage) {
-    SC_ASSERT(stage.linkEnds.size() == world.links.size(), "the ends of all links are known");
-    stage.linkCount = 0;
+    SC_ASSERT(stage.links.ends.size() == world.links.size(), "the ends of all links are known");
+    stage.links.count = 0;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
         const int index = static_cast<int>(i);
-        const Ends& e = stage.linkEnds[i];
+        const Ends& e = stage.links.ends[i];
         if (!e.counts)
             continue;
         if (l.kind == LinkKind::Tether) {
@@ -291,8 +291,8 @@ void prepareLinks(const World& world, const std::vector<RodWork>& rods, double d
 
 void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
     const std::size_t first = stage.candidates.size();
-    for (std::size_t i = 0; i < stage.linkCount; ++i) {
-        LinkRow& row = stage.linkRows[i];
+    for (std::size_t i = 0; i < stage.links.count; ++i) {
+        LinkRow& row = stage.links.rows[i];
         SC_ASSERT(invariants::inRange(row.link, world.links.size()), "a row belongs to a link");
         const Link& l = world.links[static_cast<std::size_t>(row.link)];
         coulomb::Contact& out = stage.problem.contacts[first + i];
@@ -313,7 +313,7 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
         };
         side(row.rodA, row.Ja, 1.0);
         side(row.rodB, row.Jb, -1.0);
-        row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
+        row.bodyProblem = row.bodyB >= 0 ? stage.host.place[static_cast<std::size_t>(row.bodyB)].block : -1;
         if (row.bodyProblem >= 0) {
             SC_ASSERT(out.b < 0, "a joint connects two bodies at most");
             const bool isFirst = out.a < 0;
@@ -344,11 +344,12 @@ double errorOf(const World& world, const Link& l, const Ends& e, const Places& p
 double errorAtEnd(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
                   const Ends& e, double dt) {
     const double error =
-        errorOf(world, l, e, placesOf(world, rods, stage.motion, l, e, When::End, dt), lengthAfter(l, dt));
+        errorOf(world, l, e, placesOf(world, rods, stage.host.motion, l, e, When::End, dt), lengthAfter(l, dt));
     const GapClosing closing = closingOf(rods, e);
     if (error == 0.0)
         return 0.0;
-    const double before = errorOf(world, l, e, placesOf(world, rods, stage.motion, l, e, When::Start, dt), l.length);
+    const double before =
+        errorOf(world, l, e, placesOf(world, rods, stage.host.motion, l, e, When::Start, dt), l.length);
     return std::max(0.0, error - closing.left(before, dt));
 }
 
@@ -359,21 +360,21 @@ double linkError(const World& world, const std::vector<RodWork>& rods, double dt
     double worst = 0.0;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        const Ends& e = stage.linkEnds[i];
+        const Ends& e = stage.links.ends[i];
         if (!e.counts)
             continue;
         const double size = l.kind == LinkKind::Tether ? l.length : lever(world, e);
         const double allowed = std::min(tolerance, 1e-7 * size);
         worst = std::max(worst, errorAtEnd(world, rods, stage, l, e, dt) / allowed);
     }
-    for (std::size_t i = 0; i < stage.linkCount; ++i) { // a tether that pulls though it is slack by now
-        const LinkRow& row = stage.linkRows[i];
+    for (std::size_t i = 0; i < stage.links.count; ++i) { // a tether that pulls though it is slack by now
+        const LinkRow& row = stage.links.rows[i];
         if (row.kind != LinkRowKind::Pull ||
             !(stage.r[static_cast<Eigen::Index>(2 * (stage.candidates.size() + i))] > 0.0))
             continue;
         const Link& l = world.links[static_cast<std::size_t>(row.link)];
-        const Places end =
-            placesOf(world, rods, stage.motion, l, stage.linkEnds[static_cast<std::size_t>(row.link)], When::End, dt);
+        const Places end = placesOf(world, rods, stage.host.motion, l,
+                                    stage.links.ends[static_cast<std::size_t>(row.link)], When::End, dt);
         const double slack = lengthAfter(l, dt) - (end.a - end.b).norm();
         worst = std::max(worst, slack / std::min(tolerance, 1e-7 * l.length));
     }
@@ -384,11 +385,11 @@ LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double d
     LinkGaps gaps;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        const Ends& e = stage.linkEnds[i];
+        const Ends& e = stage.links.ends[i];
         if (!e.counts)
             continue;
-        const Places start = placesOf(world, rods, stage.motion, l, e, When::Start, dt);
-        const Places end = placesOf(world, rods, stage.motion, l, e, When::End, dt);
+        const Places start = placesOf(world, rods, stage.host.motion, l, e, When::Start, dt);
+        const Places end = placesOf(world, rods, stage.host.motion, l, e, When::End, dt);
         gaps.before = std::max(gaps.before, errorOf(world, l, e, start, l.length));
         gaps.after = std::max(gaps.after, errorOf(world, l, e, end, lengthAfter(l, dt)));
     }
@@ -400,8 +401,8 @@ void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& s
         l.force.setZero();
         l.torque = 0.0;
     }
-    for (std::size_t i = 0; i < stage.linkCount; ++i) {
-        const LinkRow& row = stage.linkRows[i];
+    for (std::size_t i = 0; i < stage.links.count; ++i) {
+        const LinkRow& row = stage.links.rows[i];
         const std::size_t contact = stage.candidates.size() + i;
         SC_ASSERT(2 * contact + 1 < static_cast<std::size_t>(stage.r.size()), "two impulses a row");
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * contact));

@@ -3,7 +3,7 @@
 //
 // A pin is one bilateral contact with both rows locked, a weld has another one with a normal row only for the angle
 // between the sections, a tether is a frictionless unilateral contact with gap = length - distance. They are appended
-// behind the contacts of the detector; stage.linkRows says what they are.
+// behind the contacts of the detector; stage.links.rows says what they are.
 //
 // Like those of contact their rows belong to the middle of the step, and w carries gap / dt. Beyond that a link knows
 // its true gap at the end of the last linearisation, so from the second one on its row is Newton's,
@@ -15,11 +15,11 @@
 
 namespace supercircle::step {
 
-/// What an attempt starts from: stage.linkEnds.
+/// What an attempt starts from: stage.links.ends.
 void findLinkEnds(const World& world, ContactStage& stage);
 
-/// Finds the links that take part in this linearisation and their geometry: stage.linkRows. `again`: rods and
-/// stage.motion hold the solution of the last linearisation.
+/// Finds the links that take part in this linearisation and their geometry: stage.links.rows. `again`: rods and
+/// stage.host.motion hold the solution of the last linearisation.
 void prepareLinks(const World& world, const std::vector<RodWork>& rods, double dt, bool again, ContactStage& stage);
 
 /// Fills the contacts behind the candidates' and their warm start. Bodies of the problem have their places already.

@@ -69,7 +69,7 @@ bool isPutAcross(const World& world, const Rod& rod, const BodyOutline& piece) {
 } // namespace
 
 void findPassing(World& world, const ContactStage& stage) {
-    bool changed = stage.behind; // what was behind may be in front
+    bool changed = stage.detection.behind; // what was behind may be in front
     if (std::none_of(world.outlines.begin(), world.outlines.end(), isOneSided))
         return;
     for (std::size_t r = 0; r < world.rods.size(); ++r) {
@@ -77,12 +77,13 @@ void findPassing(World& world, const ContactStage& stage) {
         if (rod.frozen())
             continue;
         const Box box = reachOf(world, rod, rod.kin, 0.0, 0.0);
-        const double leaves = kLeaves * stage.curves[r].halfThickness;
+        const double leaves = kLeaves * stage.detection.curves[r].halfThickness;
         std::vector<PieceId> now;
         for (std::size_t i = 0; i < world.outlines.size(); ++i) {
             const BodyOutline& piece = world.outlines[i];
-            if (isOneSided(piece) && meet(box, boxOf(stage.outlines[i])) && !isPutAcross(world, rod, piece) &&
-                contact::reaches(stage.curves[r], stage.outlines[i], contains(rod.passing, idOf(piece)) ? leaves : 0.0))
+            if (isOneSided(piece) && meet(box, boxOf(stage.detection.outlines[i])) && !isPutAcross(world, rod, piece) &&
+                contact::reaches(stage.detection.curves[r], stage.detection.outlines[i],
+                                 contains(rod.passing, idOf(piece)) ? leaves : 0.0))
                 now.push_back(idOf(piece));
         }
         if (now == rod.passing)

@@ -187,9 +187,9 @@ void surfaceRows(const World& world, const RodWork& w, int rod, double s, const 
 
 void addPush(const World& world, const std::vector<RodWork>& rods, double dt, const Overlap& o, const Ends& e,
              const contact::Push& push, ContactStage& stage) {
-    if (stage.pushes.size() <= stage.pushCount)
-        stage.pushes.emplace_back();
-    PushRow& row = stage.pushes[stage.pushCount++];
+    if (stage.pushes.rows.size() <= stage.pushes.count)
+        stage.pushes.rows.emplace_back();
+    PushRow& row = stage.pushes.rows[stage.pushes.count++];
     const auto ia = static_cast<std::size_t>(e.rodA);
     row.rodA = e.rodA;
     row.rodB = e.rodB;
@@ -207,7 +207,7 @@ void addPush(const World& world, const std::vector<RodWork>& rods, double dt, co
     } else {
         row.bodyB = bodyIndex(world, o.body);
         const Body& body = world.bodies[static_cast<std::size_t>(row.bodyB)];
-        const BodyMotion& motion = stage.motion[static_cast<std::size_t>(row.bodyB)];
+        const BodyMotion& motion = stage.host.motion[static_cast<std::size_t>(row.bodyB)];
         const rod::RodModel& model = rodOf(world, e.rodA).model;
         row.armB = rods[ia].kin.point(rod::locate(model, push.sA)) - (body.state.centre + 0.5 * dt * motion.velocity);
         const BodyMotion given =
@@ -298,7 +298,7 @@ double contactDamping(const World& world, const std::vector<RodWork>& rods, cons
 }
 
 void prepareOverlaps(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage) {
-    stage.pushCount = 0;
+    stage.pushes.count = 0;
     for (const Overlap& o : world.overlaps) {
         const Ends e = endsOf(world, o);
         if (!e.complete() || (rodOf(world, e.rodA).frozen() && (e.rodB < 0 || rodOf(world, e.rodB).frozen())))
@@ -309,9 +309,9 @@ void prepareOverlaps(const World& world, const std::vector<RodWork>& rods, doubl
 }
 
 void coupleOverlaps(const World& world, const std::vector<RodWork>& rods, ContactStage& stage) {
-    const std::size_t first = stage.problem.contacts.size() - stage.pushCount;
-    for (std::size_t i = 0; i < stage.pushCount; ++i) {
-        PushRow& row = stage.pushes[i];
+    const std::size_t first = stage.problem.contacts.size() - stage.pushes.count;
+    for (std::size_t i = 0; i < stage.pushes.count; ++i) {
+        PushRow& row = stage.pushes.rows[i];
         coulomb::Contact& out = stage.problem.contacts[first + i];
         out.kind = coulomb::ContactKind::Unilateral;
         out.mu = 0.0;
@@ -337,7 +337,7 @@ void coupleOverlaps(const World& world, const std::vector<RodWork>& rods, Contac
         };
         side(row.rodA, row.Ja, 1.0);
         side(row.rodB, row.Jb, -1.0);
-        row.bodyProblem = row.bodyB >= 0 ? stage.place[static_cast<std::size_t>(row.bodyB)].block : -1;
+        row.bodyProblem = row.bodyB >= 0 ? stage.host.place[static_cast<std::size_t>(row.bodyB)].block : -1;
         if (row.bodyProblem >= 0) {
             const Vec2 n = row.direction, t = rod::perp(n);
             row.Hb.setZero(2, stage.problem.bodies[static_cast<std::size_t>(row.bodyProblem)].vFree.size());
@@ -350,10 +350,10 @@ void coupleOverlaps(const World& world, const std::vector<RodWork>& rods, Contac
 }
 
 void softenOverlaps(double dt, ContactStage& stage) {
-    if (stage.pushCount == 0 &&
+    if (stage.pushes.count == 0 &&
         std::none_of(stage.work.begin(), stage.work.end(), [](const ContactWork& k) { return k.damping > 0.0; }))
         return;
-    const std::size_t first = stage.problem.contacts.size() - stage.pushCount;
+    const std::size_t first = stage.problem.contacts.size() - stage.pushes.count;
     struct Soft {
         std::size_t contact;
         Eigen::Index column;
@@ -374,8 +374,8 @@ void softenOverlaps(double dt, ContactStage& stage) {
     for (std::size_t i = 0; i < stage.work.size(); ++i)
         if (stage.work[i].damping > 0.0)
             soften(i, stage.work[i].damping);
-    for (std::size_t i = 0; i < stage.pushCount; ++i)
-        soften(first + i, stage.pushes[i].damping);
+    for (std::size_t i = 0; i < stage.pushes.count; ++i)
+        soften(first + i, stage.pushes.rows[i].damping);
     const auto widen = [&](std::int32_t body, Eigen::Matrix<double, 2, Eigen::Dynamic>& rows) {
         if (body < 0 || widened[static_cast<std::size_t>(body)] == 0)
             return;
@@ -391,9 +391,9 @@ void softenOverlaps(double dt, ContactStage& stage) {
 }
 
 void recordOverlaps(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt) {
-    const std::size_t first = stage.problem.contacts.size() - stage.pushCount;
-    for (std::size_t i = 0; i < stage.pushCount; ++i) {
-        const PushRow& row = stage.pushes[i];
+    const std::size_t first = stage.problem.contacts.size() - stage.pushes.count;
+    for (std::size_t i = 0; i < stage.pushes.count; ++i) {
+        const PushRow& row = stage.pushes.rows[i];
         const double r = stage.r[static_cast<Eigen::Index>(2 * (first + i))];
         if (!(r > 0.0))
             continue;

@@ -31,7 +31,7 @@ void reviewOverlaps(World& world, bool frameBegins);
 /// rigid rows would bend it as fast as they say.
 double contactDamping(const World& world, const std::vector<RodWork>& rods, const contact::Candidate& c);
 
-/// Which pushes take part in this linearisation, and their geometry: stage.pushes.
+/// Which pushes take part in this linearisation, and their geometry: stage.pushes.rows.
 void prepareOverlaps(const World& world, const std::vector<RodWork>& rods, double dt, ContactStage& stage);
 /// Fills the last contacts of the problem, without what makes them soft.
 void coupleOverlaps(const World& world, const std::vector<RodWork>& rods, ContactStage& stage);

@@ -24,7 +24,7 @@ int freedomsOf(const Body& body) {
 
 const BodyPlace& placeOf(const ContactStage& stage, int body) {
     static const BodyPlace nowhere;
-    return body >= 0 ? stage.place[static_cast<std::size_t>(body)] : nowhere;
+    return body >= 0 ? stage.host.place[static_cast<std::size_t>(body)] : nowhere;
 }
 
 bool isDynamic(const World& world, int body) {
@@ -40,9 +40,9 @@ void endsOf(const World& world, const std::vector<Constraint>& constraints, std:
 
 /// Bodies of the problem, nearest to the shells first: those at candidates and links, then their neighbours and so on.
 void gatherBodies(const World& world, ContactStage& stage) {
-    std::vector<int>& found = stage.problemBodies;
+    std::vector<int>& found = stage.scratch.problemBodies;
     found.clear();
-    std::vector<char>& in = stage.marked;
+    std::vector<char>& in = stage.scratch.marked;
     in.assign(world.bodies.size(), 0);
     const auto take = [&](int body) {
         if (isDynamic(world, body) && !in[static_cast<std::size_t>(body)]) {
@@ -53,13 +53,13 @@ void gatherBodies(const World& world, ContactStage& stage) {
     for (const contact::Candidate& c : stage.candidates)
         if (c.b.rod < 0)
             take(bodyIndex(world, world.outlines[static_cast<std::size_t>(c.outline)].body));
-    for (std::size_t i = 0; i < stage.linkCount; ++i)
-        take(stage.linkRows[i].bodyB);
-    for (std::size_t i = 0; i < stage.pushCount; ++i)
-        take(stage.pushes[i].bodyB);
+    for (std::size_t i = 0; i < stage.links.count; ++i)
+        take(stage.links.rows[i].bodyB);
+    for (std::size_t i = 0; i < stage.pushes.count; ++i)
+        take(stage.pushes.rows[i].bodyB);
     for (std::size_t i = 0; i < found.size() && found.size() < kMostBodies; ++i) {
         const int body = found[i]; // the list grows
-        for (const std::vector<BodyEnds>* list : {&stage.contactEnds, &stage.rowEnds})
+        for (const std::vector<BodyEnds>* list : {&stage.host.contactEnds, &stage.host.rowEnds})
             for (const BodyEnds& e : *list)
                 if (e.a == body || e.b == body)
                     take(e.a == body ? e.b : e.a);
@@ -70,7 +70,7 @@ void gatherBodies(const World& world, ContactStage& stage) {
 void placeBodies(const World& world, const std::vector<int>& bodies, ContactStage& stage) {
     if (bodies.empty())
         return;
-    std::vector<int>& root = stage.groups;
+    std::vector<int>& root = stage.host.groups;
     root.resize(world.bodies.size());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int i) {
@@ -79,13 +79,13 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
         return i;
     };
     for (const int b : bodies)
-        stage.place[static_cast<std::size_t>(b)].freedoms = freedomsOf(world.bodies[static_cast<std::size_t>(b)]);
-    for (const BodyEnds& e : stage.rowEnds)
+        stage.host.place[static_cast<std::size_t>(b)].freedoms = freedomsOf(world.bodies[static_cast<std::size_t>(b)]);
+    for (const BodyEnds& e : stage.host.rowEnds)
         if (placeOf(stage, e.a).freedoms > 0 && placeOf(stage, e.b).freedoms > 0) {
             const int a = find(e.a), b = find(e.b);
             root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
         }
-    std::vector<int>&blockOf = stage.groupBlocks, &size = stage.blockSizes;
+    std::vector<int>&blockOf = stage.host.groupBlocks, &size = stage.host.blockSizes;
     blockOf.assign(world.bodies.size(), -1);
     size.clear();
     for (const int b : bodies) {
@@ -94,7 +94,7 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
             block = static_cast<int>(size.size());
             size.push_back(0);
         }
-        BodyPlace& p = stage.place[static_cast<std::size_t>(b)];
+        BodyPlace& p = stage.host.place[static_cast<std::size_t>(b)];
         p.block = static_cast<int>(stage.problem.bodies.size()) + block;
         SC_ASSERT(p.freedoms == 2 || p.freedoms == 3, "a body translates, and turns unless that is fixed");
         p.column = size[static_cast<std::size_t>(block)];
@@ -102,9 +102,9 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
     }
     for (const int n : size) {
         stage.problem.bodies.emplace_back();
-        if (!stage.spareBlocks.empty()) {
-            std::swap(stage.problem.bodies.back(), stage.spareBlocks.back());
-            stage.spareBlocks.pop_back();
+        if (!stage.host.spareBlocks.empty()) {
+            std::swap(stage.problem.bodies.back(), stage.host.spareBlocks.back());
+            stage.host.spareBlocks.pop_back();
         }
         stage.problem.bodies.back().A.resize(n, n);
         stage.problem.bodies.back().vFree.resize(n);
@@ -115,7 +115,7 @@ void placeBodies(const World& world, const std::vector<int>& bodies, ContactStag
 double given(const World& world, const ContactStage& stage, int body, const Vec2& direction, double turn) {
     if (body < 0 || placeOf(stage, body).freedoms > 0 || world.bodies[static_cast<std::size_t>(body)].dynamic)
         return 0.0;
-    const BodyMotion& m = stage.motion[static_cast<std::size_t>(body)];
+    const BodyMotion& m = stage.host.motion[static_cast<std::size_t>(body)];
     return direction.dot(m.velocity) + turn * m.spin;
 }
 
@@ -161,18 +161,19 @@ double rigidDamping(const World& world, const HostRow& r, const BodyEnds& e, dou
 /// A joint row as a damper and a force on its block.
 void addJointRow(const World& world, std::size_t k, double dt, ContactStage& stage) {
     const HostRow& r = world.constraints.rows[k];
-    const BodyEnds& e = stage.rowEnds[k];
-    const int saturated = stage.saturated[k];
+    const BodyEnds& e = stage.host.rowEnds[k];
+    const int saturated = stage.host.saturated[k];
     if (onBorder(world, stage, e)) {
         pushBody(stage, e.a, dt * r.last * r.axisA, dt * r.last * r.turnA);
         pushBody(stage, e.b, dt * r.last * r.axisB, dt * r.last * r.turnB);
         return;
     }
     SC_ASSERT(saturated >= -1 && saturated <= 1, "a sign");
-    SC_ASSERT(blockOfRow(stage, e) >= static_cast<int>(stage.hostBlocks), "blocks of the host stand behind the rods");
+    SC_ASSERT(blockOfRow(stage, e) >= static_cast<int>(stage.host.firstBlock),
+              "blocks of the host stand behind the rods");
     coulomb::Body& block = stage.problem.bodies[static_cast<std::size_t>(blockOfRow(stage, e))];
-    stage.row.assign(static_cast<std::size_t>(block.A.cols()), 0.0);
-    Eigen::Map<Eigen::RowVectorXd> row(stage.row.data(), block.A.cols());
+    stage.host.row.assign(static_cast<std::size_t>(block.A.cols()), 0.0);
+    Eigen::Map<Eigen::RowVectorXd> row(stage.host.row.data(), block.A.cols());
     addToRow(stage, e.a, r.axisA, r.turnA, row);
     addToRow(stage, e.b, r.axisB, r.turnB, row);
     double damping = r.damping, force = r.force, speed = 0.0;
@@ -206,7 +207,7 @@ double relative(const World& world, const ContactStage& stage, const BodyEnds& e
         if (body < 0)
             return 0.0;
         const Body& b = world.bodies[static_cast<std::size_t>(body)];
-        const BodyMotion& m = stage.motion[static_cast<std::size_t>(body)];
+        const BodyMotion& m = stage.host.motion[static_cast<std::size_t>(body)];
         return axis.dot(m.velocity - b.hostCoupling.drift) + turn * (m.spin - b.hostCoupling.driftSpin);
     };
     return side(e.a, s.axisA, s.turnA) + side(e.b, s.axisB, s.turnB);
@@ -255,27 +256,27 @@ void addToRow(const ContactStage& stage, int body, const Vec2& direction, double
 }
 
 void addHostBlocks(const World& world, double dt, ContactStage& stage) {
-    stage.place.assign(world.bodies.size(), BodyPlace{});
-    endsOf(world, world.constraints.contacts, stage.contactEnds);
-    endsOf(world, world.constraints.rows, stage.rowEnds);
+    stage.host.place.assign(world.bodies.size(), BodyPlace{});
+    endsOf(world, world.constraints.contacts, stage.host.contactEnds);
+    endsOf(world, world.constraints.rows, stage.host.rowEnds);
     gatherBodies(world, stage);
-    stage.hostBlocks = stage.problem.bodies.size();
-    placeBodies(world, stage.problemBodies, stage);
+    stage.host.firstBlock = stage.problem.bodies.size();
+    placeBodies(world, stage.scratch.problemBodies, stage);
     renewHostBlocks(world, dt, stage);
 }
 
 void beginHostRows(const World& world, ContactStage& stage) {
-    stage.saturated.clear();
+    stage.host.saturated.clear();
     for (const HostRow& r : world.constraints.rows)
-        stage.saturated.push_back(r.saturated);
+        stage.host.saturated.push_back(r.saturated);
 }
 
 void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
-    for (std::size_t b = stage.hostBlocks; b < stage.problem.bodies.size(); ++b) {
+    for (std::size_t b = stage.host.firstBlock; b < stage.problem.bodies.size(); ++b) {
         stage.problem.bodies[b].A.setZero();
         stage.problem.bodies[b].vFree.setZero(); // holds the momentum until the rows are in
     }
-    for (const int i : stage.problemBodies) {
+    for (const int i : stage.scratch.problemBodies) {
         const Body& body = world.bodies[static_cast<std::size_t>(i)];
         const BodyPlace& p = placeOf(stage, i);
         const BodyMotion free = freeMotion(world, body, body.hostCoupling.unexplained.expectedLinear,
@@ -286,11 +287,11 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
         A.diagonal().segment(p.column, p.freedoms) = Eigen::Vector3d(m, m, inertia).head(p.freedoms);
         pushBody(stage, i, m * free.velocity, inertia * free.spin);
     }
-    for (std::size_t k = 0; k < stage.rowEnds.size(); ++k)
-        if (touchesProblem(stage, stage.rowEnds[k]) && world.constraints.rows[k].kind != HostRowKind::Limit)
+    for (std::size_t k = 0; k < stage.host.rowEnds.size(); ++k)
+        if (touchesProblem(stage, stage.host.rowEnds[k]) && world.constraints.rows[k].kind != HostRowKind::Limit)
             addJointRow(world, k, dt, stage);
-    for (std::size_t k = 0; k < stage.contactEnds.size(); ++k) {
-        const BodyEnds& e = stage.contactEnds[k];
+    for (std::size_t k = 0; k < stage.host.contactEnds.size(); ++k) {
+        const BodyEnds& e = stage.host.contactEnds[k];
         if (!onBorder(world, stage, e))
             continue;
         const HostContact& c = world.constraints.contacts[k];
@@ -298,45 +299,45 @@ void renewHostBlocks(const World& world, double dt, ContactStage& stage) {
         pushBody(stage, e.a, -f, -rod::cross(c.armA, f));
         pushBody(stage, e.b, f, rod::cross(c.armB, f));
     }
-    const std::size_t blocks = stage.problem.bodies.size() - stage.hostBlocks;
-    stage.blockFactors.resize(std::max(stage.blockFactors.size(), blocks));
+    const std::size_t blocks = stage.problem.bodies.size() - stage.host.firstBlock;
+    stage.host.blockFactors.resize(std::max(stage.host.blockFactors.size(), blocks));
     for (std::size_t b = 0; b < blocks; ++b) {
-        coulomb::Body& block = stage.problem.bodies[stage.hostBlocks + b];
-        stage.blockFactors[b].compute(block.A);
-        stage.blockFactors[b].solveInPlace(block.vFree);
+        coulomb::Body& block = stage.problem.bodies[stage.host.firstBlock + b];
+        stage.host.blockFactors[b].compute(block.A);
+        stage.host.blockFactors[b].solveInPlace(block.vFree);
     }
 }
 
 void listHostContacts(const World& world, ContactStage& stage) {
-    SC_ASSERT(stage.contactEnds.size() == world.constraints.contacts.size() &&
-                  stage.rowEnds.size() == world.constraints.rows.size(),
+    SC_ASSERT(stage.host.contactEnds.size() == world.constraints.contacts.size() &&
+                  stage.host.rowEnds.size() == world.constraints.rows.size(),
               "the ends of all constraints are known");
-    stage.hostEntries.clear();
+    stage.host.entries.clear();
     const auto counts = [&](const BodyEnds& e) { return touchesProblem(stage, e) && !onBorder(world, stage, e); };
-    for (std::size_t k = 0; k < stage.contactEnds.size(); ++k)
-        if (counts(stage.contactEnds[k]))
-            stage.hostEntries.push_back(static_cast<int>(k));
-    for (std::size_t k = 0; k < stage.rowEnds.size(); ++k)
-        if (world.constraints.rows[k].kind == HostRowKind::Limit && counts(stage.rowEnds[k]))
-            stage.hostEntries.push_back(-1 - static_cast<int>(k));
+    for (std::size_t k = 0; k < stage.host.contactEnds.size(); ++k)
+        if (counts(stage.host.contactEnds[k]))
+            stage.host.entries.push_back(static_cast<int>(k));
+    for (std::size_t k = 0; k < stage.host.rowEnds.size(); ++k)
+        if (world.constraints.rows[k].kind == HostRowKind::Limit && counts(stage.host.rowEnds[k]))
+            stage.host.entries.push_back(-1 - static_cast<int>(k));
 }
 
 void addHostContacts(const World& world, double dt, ContactStage& stage) {
-    const std::size_t first = stage.candidates.size() + stage.linkCount;
-    SC_ASSERT(first + stage.hostEntries.size() + stage.pushCount == stage.problem.contacts.size(),
+    const std::size_t first = stage.candidates.size() + stage.links.count;
+    SC_ASSERT(first + stage.host.entries.size() + stage.pushes.count == stage.problem.contacts.size(),
               "only pushes stand behind the contacts of the host");
-    for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
+    for (std::size_t i = 0; i < stage.host.entries.size(); ++i) {
         coulomb::Contact& out = stage.problem.contacts[first + i];
         Vec2 warm = Vec2::Zero();
-        if (const int entry = stage.hostEntries[i]; entry >= 0) {
-            const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
+        if (const int entry = stage.host.entries[i]; entry >= 0) {
+            const BodyEnds& e = stage.host.contactEnds[static_cast<std::size_t>(entry)];
             const HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
             putRows(world, stage, e, contactSides(c, c.normal), contactSides(c, rod::perp(c.normal)), out);
             out.mu = c.friction;
             out.w += Vec2(c.clearance > 0.0 ? c.clearance / dt : -c.restitutionVelocity, -c.tangentSpeed);
             warm = dt * Vec2(c.normalForce, c.tangentForce);
         } else {
-            const BodyEnds& e = stage.rowEnds[static_cast<std::size_t>(-1 - entry)];
+            const BodyEnds& e = stage.host.rowEnds[static_cast<std::size_t>(-1 - entry)];
             const HostRow& r = world.constraints.rows[static_cast<std::size_t>(-1 - entry)];
             const Sides n{r.axisA, r.axisB, r.turnA, r.turnB};
             const Sides t{Vec2::UnitX(), Vec2::UnitY(), 0.0, 0.0}; // any rows do: nothing rubs
@@ -352,35 +353,35 @@ void addHostContacts(const World& world, double dt, ContactStage& stage) {
 void readHostBlocks(const World& world, ContactStage& stage) {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         const Body& b = world.bodies[i];
-        if (!b.dynamic || stage.motion[i].isFree)
+        if (!b.dynamic || stage.host.motion[i].isFree)
             continue;
         const HostCoupling& h = b.hostCoupling;
         BodyMotion m = freeMotion(world, b, h.all.expectedLinear, h.all.expectedAngular, stage.problem.dt);
-        const BodyPlace p = stage.problem.contacts.empty() ? BodyPlace{} : stage.place[i];
+        const BodyPlace p = stage.problem.contacts.empty() ? BodyPlace{} : stage.host.place[i];
         if (p.block >= 0) {
             const Eigen::VectorXd& x = stage.velocity[static_cast<std::size_t>(p.block)];
             SC_ASSERT(p.column + p.freedoms <= x.size(), "columns of the body lie in its block");
             m.velocity = x.segment<2>(p.column);
             m.spin = p.freedoms == 3 ? x[p.column + 2] : b.state.spin;
         }
-        stage.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
+        stage.host.motion[i] = {m.velocity + h.drift, m.spin + h.driftSpin};
     }
 }
 
 bool boundHostRows(const World& world, double dt, ContactStage& stage) {
     bool changed = false;
-    for (std::size_t k = 0; k < stage.rowEnds.size() && !stage.problem.contacts.empty(); ++k) {
-        const BodyEnds& e = stage.rowEnds[k];
+    for (std::size_t k = 0; k < stage.host.rowEnds.size() && !stage.problem.contacts.empty(); ++k) {
+        const BodyEnds& e = stage.host.rowEnds[k];
         const HostRow& row = world.constraints.rows[k];
-        if (row.kind != HostRowKind::Rigid || stage.saturated[k] != 0 || !std::isfinite(row.strength) ||
+        if (row.kind != HostRowKind::Rigid || stage.host.saturated[k] != 0 || !std::isfinite(row.strength) ||
             !touchesProblem(stage, e) || onBorder(world, stage, e))
             continue;
         const double u = relative(world, stage, e, {row.axisA, row.axisB, row.turnA, row.turnB});
         const double force = rigidDamping(world, row, e, dt) * (row.speed - u);
         if (std::abs(force) <= row.strength)
             continue;
-        SC_ASSERT(k < stage.saturated.size(), "one state a row of the host");
-        stage.saturated[k] = force > 0.0 ? 1 : -1;
+        SC_ASSERT(k < stage.host.saturated.size(), "one state a row of the host");
+        stage.host.saturated[k] = force > 0.0 ? 1 : -1;
         changed = true;
     }
     return changed;
@@ -389,12 +390,12 @@ bool boundHostRows(const World& world, double dt, ContactStage& stage) {
 void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
     if (stage.problem.contacts.empty())
         return;
-    const std::size_t first = stage.candidates.size() + stage.linkCount;
-    for (std::size_t i = 0; i < stage.hostEntries.size(); ++i) {
+    const std::size_t first = stage.candidates.size() + stage.links.count;
+    for (std::size_t i = 0; i < stage.host.entries.size(); ++i) {
         const Vec2 r = stage.r.segment<2>(static_cast<Eigen::Index>(2 * (first + i)));
-        const int entry = stage.hostEntries[i];
+        const int entry = stage.host.entries[i];
         if (entry >= 0) {
-            const BodyEnds& e = stage.contactEnds[static_cast<std::size_t>(entry)];
+            const BodyEnds& e = stage.host.contactEnds[static_cast<std::size_t>(entry)];
             HostContact& c = world.constraints.contacts[static_cast<std::size_t>(entry)];
             c.clearance = std::max(0.0, c.clearance + dt * relative(world, stage, e, contactSides(c, c.normal)));
             SC_ASSERT(!(c.clearance < 0.0), "a clearance is not negative");
@@ -405,14 +406,14 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
         } else {
             const auto k = static_cast<std::size_t>(-1 - entry);
             HostRow& row = world.constraints.rows[k];
-            row.clearance = std::max(0.0, row.clearance + dt * relative(world, stage, stage.rowEnds[k],
+            row.clearance = std::max(0.0, row.clearance + dt * relative(world, stage, stage.host.rowEnds[k],
                                                                         {row.axisA, row.axisB, row.turnA, row.turnB}));
             row.last = r.x() / dt;
             row.sum += r.x();
         }
     }
-    for (std::size_t k = 0; k < stage.rowEnds.size(); ++k) {
-        const BodyEnds& e = stage.rowEnds[k];
+    for (std::size_t k = 0; k < stage.host.rowEnds.size(); ++k) {
+        const BodyEnds& e = stage.host.rowEnds[k];
         HostRow& row = world.constraints.rows[k];
         if (row.kind == HostRowKind::Limit || !touchesProblem(stage, e) || onBorder(world, stage, e))
             continue;
@@ -422,7 +423,7 @@ void acceptHostConstraints(World& world, const ContactStage& stage, double dt) {
             continue;
         }
         const double missing = row.speed - u;
-        row.saturated = stage.saturated[k];
+        row.saturated = stage.host.saturated[k];
         if (row.saturated != 0) {
             row.sum += dt * row.saturated * row.strength;
             if (row.saturated * missing < 0.0)

@@ -11,26 +11,26 @@
 namespace supercircle::step {
 
 /// Puts the dynamic bodies among the candidates and links, and those that host contacts and joints connect to them,
-/// into stage.problem as blocks. Fills stage.place and the ends of the constraints.
+/// into stage.problem as blocks. Fills stage.host.place and the ends of the constraints.
 void addHostBlocks(const World& world, double dt, ContactStage& stage);
 
-/// What an attempt starts from: stage.saturated.
+/// What an attempt starts from: stage.host.saturated.
 void beginHostRows(const World& world, ContactStage& stage);
 
 /// The same blocks with the rows as saturated as they are now; places and contacts of the problem stay.
 void renewHostBlocks(const World& world, double dt, ContactStage& stage);
 
-/// Finds the host's contact points and joint limits that take part: stage.hostEntries.
+/// Finds the host's contact points and joint limits that take part: stage.host.entries.
 void listHostContacts(const World& world, ContactStage& stage);
 
 /// Fills the problem's contacts behind the candidates' and the links' with them, and their warm start.
 void addHostContacts(const World& world, double dt, ContactStage& stage);
 
-/// Writes the solution back into stage.motion.
+/// Writes the solution back into stage.host.motion.
 void readHostBlocks(const World& world, ContactStage& stage);
 
-/// Rigid rows whose solved force is beyond their strength go to it, in this attempt (stage.saturated). True if there
-/// were any: renew the blocks and solve again.
+/// Rigid rows whose solved force is beyond their strength go to it, in this attempt (stage.host.saturated). True if
+/// there were any: renew the blocks and solve again.
 bool boundHostRows(const World& world, double dt, ContactStage& stage);
 
 /// After an accepted step: rooms, forces and saturation of the world's constraints.

@@ -55,7 +55,7 @@ void bindSets(const World& world, TrialStep& t, const JoinedSets& sets, std::vec
     if (world.links.empty())
         return;
     for (std::size_t k = 0; k < world.links.size(); ++k)
-        if (const LinkEnds& e = t.stage.linkEnds[k]; e.counts && !canJoin(world, world.links[k], e))
+        if (const LinkEnds& e = t.stage.links.ends[k]; e.counts && !canJoin(world, world.links[k], e))
             free[sets.of(static_cast<std::size_t>(e.rodA))] = 0;
     for (std::size_t i = 0; i < free.size(); ++i)
         if (free[i] == 0)
@@ -98,12 +98,12 @@ void addJoint(const World& world, std::size_t link, const LinkEnds& e, FreeGroup
 } // namespace
 
 void listFreeGroups(const World& world, std::vector<char>& free, TrialStep& t) {
-    const std::vector<LinkEnds>& links = t.stage.linkEnds;
-    JoinedSets sets(t.stage.groups, world.rods.size() + world.bodies.size());
+    const std::vector<LinkEnds>& links = t.stage.links.ends;
+    JoinedSets sets(t.stage.host.groups, world.rods.size() + world.bodies.size());
     joinAll(world, links, sets);
     bindSets(world, t, sets, free);
     t.groupCount = 0;
-    std::vector<int>& groupOf = t.stage.groupBlocks; // of each set
+    std::vector<int>& groupOf = t.stage.host.groupBlocks; // of each set
     groupOf.assign(world.rods.size(), -1);
     for (std::size_t i = 0; i < world.rods.size(); ++i) {
         if (free[i] == 0)

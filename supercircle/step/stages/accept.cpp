@@ -65,7 +65,7 @@ void recordContacts(World& world, std::vector<RodWork>& rods, ContactStage& stag
         } else {
             Body& body = world.bodies[static_cast<std::size_t>(k.bodyB)];
             body.force -= force;
-            const int index = stage.place[static_cast<std::size_t>(k.bodyB)].block;
+            const int index = stage.host.place[static_cast<std::size_t>(k.bodyB)].block;
             if (index >= 0) {
                 const Vec2 ub = stage.problem.contacts[i].Hb * stage.velocity[static_cast<std::size_t>(index)];
                 u += ub;
@@ -126,7 +126,7 @@ ComplianceEnergy complianceEnergy(const World& world, const std::vector<contact:
 void advanceBodies(World& world, const ContactStage& stage, double dt) {
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
         Body& b = world.bodies[i];
-        const BodyMotion& m = stage.motion[i];
+        const BodyMotion& m = stage.host.motion[i];
         b.state.centre += dt * m.velocity;
         b.state.angle += dt * m.spin;
         if (b.asleep())
@@ -141,7 +141,7 @@ void advanceBodies(World& world, const ContactStage& stage, double dt) {
         h.hostTurnImpulse += b.state.inertia * (b.state.spin - free.spin);
         h.travel += dt * b.state.velocity;
         h.turn += dt * b.state.spin;
-        if (!stage.problem.contacts.empty() && stage.place[i].block >= 0) {
+        if (!stage.problem.contacts.empty() && stage.host.place[i].block >= 0) {
             h.coupled = true;
             h.coupledTime += dt;
         }

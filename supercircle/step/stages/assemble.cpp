@@ -33,12 +33,12 @@ void assertComplete(const TrialStep& t) {
     const coulomb::Problem& p = stage.problem;
     SC_ASSERT(p.dt == t.dt && p.dt > 0.0, "the problem is that of the step");
     SC_ASSERT(p.contacts.size() ==
-                  stage.candidates.size() + stage.linkCount + stage.hostEntries.size() + stage.pushCount,
+                  stage.candidates.size() + stage.links.count + stage.host.entries.size() + stage.pushes.count,
               "contacts of candidates, links, the host and pushes");
     SC_ASSERT(p.r0.size() == 2 * static_cast<Eigen::Index>(p.contacts.size()),
               "the warm start has two numbers a contact");
     SC_ASSERT(stage.work.size() == stage.candidates.size(), "one work space a candidate");
-    SC_ASSERT(stage.hostBlocks <= p.bodies.size(), "blocks of the host stand behind the rods");
+    SC_ASSERT(stage.host.firstBlock <= p.bodies.size(), "blocks of the host stand behind the rods");
     for (const coulomb::Body& b : p.bodies)
         SC_ASSERT(b.A.rows() == b.vFree.size() && b.A.cols() == b.vFree.size(),
                   "A is square, one row for each degree of freedom");

@@ -52,15 +52,16 @@ void checkCrossings(const World& world, TrialStep& t) {
     t.enter(Stage::CheckCrossings, Stage::Linearise);
     ContactStage& stage = t.stage;
     std::vector<contact::Crossing>& crossings = t.result.crossings;
-    placeOutlines(world, stage.motion, 0.0, 0.0, stage.outlineKeys, t.outlinesBefore);
+    placeOutlines(world, stage.host.motion, 0.0, 0.0, stage.scratch.outlineKeys, t.outlinesBefore);
     t.curvesBefore.resize(world.rods.size());
     parallel::forEach(stage.loop, world.rods.size(), 32,
                       [&](std::size_t i) { toCurve(world.rods[i], world.rods[i].kin, t.curvesBefore[i]); });
-    SC_ASSERT(t.curvesBefore.size() == stage.curves.size() && t.outlinesBefore.size() == stage.outlines.size(),
+    SC_ASSERT(t.curvesBefore.size() == stage.detection.curves.size() &&
+                  t.outlinesBefore.size() == stage.detection.outlines.size(),
               "the same rods and outlines before and after");
     contact::CheckEffort effort{.maxWork = t.checkWorkLeft(), .bounded = true};
-    contact::findCrossingsSwept(t.curvesBefore, stage.curves, t.outlinesBefore, stage.outlines, crossings, stage.loop,
-                                &effort);
+    contact::findCrossingsSwept(t.curvesBefore, stage.detection.curves, t.outlinesBefore, stage.detection.outlines,
+                                crossings, stage.loop, &effort);
     if (effort.unfinished()) { // counted alike for any number of threads
         t.result.work.check.samples += effort.maxWork;
         t.result.outOfWork = true;

@@ -42,7 +42,8 @@ void detectWider(const World& world, const Settings& settings, TrialStep& t) {
     predictMotion(world, t.stage);
     collide(world, t.kin, t.result.range, 0.0, 2.0 * t.dt, settings.margin * t.h, t.stage, t.result.candidates);
     t.result.renewed = true;
-    SC_ASSERT(t.stage.curves.size() == world.rods.size() && t.stage.outlines.size() == world.outlines.size(),
+    SC_ASSERT(t.stage.detection.curves.size() == world.rods.size() &&
+                  t.stage.detection.outlines.size() == world.outlines.size(),
               "every rod and outline was looked at");
 }
 

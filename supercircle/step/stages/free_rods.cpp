@@ -36,7 +36,7 @@ Way wayOfOutline(const World& world, const TrialStep& t, const contact::Candidat
     if (index < 0)
         return {};
     const Body& body = world.bodies[static_cast<std::size_t>(index)];
-    const BodyMotion& m = t.stage.motion[static_cast<std::size_t>(index)];
+    const BodyMotion& m = t.stage.host.motion[static_cast<std::size_t>(index)];
     const Vec2 way = t.dt * (m.velocity + m.spin * rod::perp(c.pointB - body.state.centre));
     const double turned = t.dt * std::abs(m.spin) * way.norm();
     return {way, turned + (body.dynamic ? 2.0 : 1.0) * fallOf(world, t)}; // the rod's way is no straight one
@@ -106,7 +106,7 @@ void countWork(TrialStep& t) {
 
 /// Joints of free rods have done what they do.
 void leaveOutJoints(TrialStep& t) {
-    for (LinkEnds& e : t.stage.linkEnds)
+    for (LinkEnds& e : t.stage.links.ends)
         e.counts = e.counts && !t.rods[static_cast<std::size_t>(e.rodA)].isFree;
 }
 
@@ -116,7 +116,7 @@ void setBodies(const World& world, TrialStep& t) {
         for (const FreeBody& b : t.groups[k].bodies) {
             const auto i = static_cast<std::size_t>(b.body);
             const Eigen::Vector3d mean = (b.q - b.before) / t.dt;
-            t.stage.motion[i] =
+            t.stage.host.motion[i] =
                 t.isFree(t.groups[k]) ? BodyMotion{mean.head<2>(), mean.z(), true} : predictedMotion(world.bodies[i]);
         }
 }
@@ -128,7 +128,7 @@ void setFree(const FreeGroup& g, bool isFree, std::vector<RodWork>& rods) {
 
 /// Those that came farther than foreseen may touch, and so may their neighbours.
 void takeBack(const World& world, const Settings& settings, TrialStep& t) {
-    std::vector<int>& groupOf = t.stage.groupBlocks; // of rods, then of bodies
+    std::vector<int>& groupOf = t.stage.host.groupBlocks; // of rods, then of bodies
     groupOf.assign(t.rods.size() + world.bodies.size(), -1);
     for (std::size_t k = 0; k < t.groupCount; ++k) {
         for (const std::size_t i : t.groups[k].rods)
@@ -177,7 +177,7 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     }
     if (!settings.secondOrder)
         return;
-    std::vector<char>& free = t.stage.marked;
+    std::vector<char>& free = t.stage.scratch.marked;
     free.assign(rods.size(), 0);
     for (std::size_t i = 0; i < rods.size(); ++i)
         free[i] = mayMoveFreely(world.rods[i]) ? 1 : 0;
@@ -194,7 +194,7 @@ void moveFreeRods(const World& world, const Settings& settings, TrialStep& t) {
     listFreeGroups(world, free, t);
     listSelfPairs(world, free, t);
     forEachRod(t.stage.loop, t.groupCount, [&](std::size_t k) {
-        setFree(t.groups[k], moveFreely(world, settings, t.stage.motion, t.dt, rods, t.groups[k]), rods);
+        setFree(t.groups[k], moveFreely(world, settings, t.stage.host.motion, t.dt, rods, t.groups[k]), rods);
     });
     countWork(t);
     takeBack(world, settings, t);

@@ -55,7 +55,7 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
     t.result.runaways.clear();
     bool outOfRange = false;
     SC_ASSERT(t.result.range.size() == t.rods.size(), "one range a rod");
-    std::vector<char>& near = t.stage.marked;
+    std::vector<char>& near = t.stage.scratch.marked;
     markNear(world, t, near);
     for (std::size_t i = 0; i < t.rods.size(); ++i) {
         const RodWork& w = t.rods[i];

@@ -90,7 +90,7 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
     if (settings.cull || settings.secondOrder)
         cull(world, t.dt, settings.margin * t.h, t.candidates(world), t.kept);
     moveFreeRods(world, settings, t);
-    std::vector<char>& near = stage.marked;
+    std::vector<char>& near = stage.scratch.marked;
     near.assign(world.rods.size(), 0);
     for (const contact::Candidate& c : t.candidates(world)) {
         SC_ASSERT(invariants::inRange(c.a.rod, near.size()) && c.b.rod < static_cast<std::int32_t>(near.size()),
@@ -112,7 +112,7 @@ void linearise(const World& world, const Settings& settings, TrialStep& t) {
     beginHostRows(world, stage);
     frameInMiddle(world, t.rods, startCandidates(world, settings, t), false, t.dt, stage);
     SC_ASSERT(stage.candidates.size() == stage.gapAtStart.size(), "one gap a candidate");
-    SC_ASSERT(stage.saturated.size() == world.constraints.rows.size(), "one state a row of the host");
+    SC_ASSERT(stage.host.saturated.size() == world.constraints.rows.size(), "one state a row of the host");
 }
 
 bool relinearise(const World& world, const Settings& settings, TrialStep& t) {

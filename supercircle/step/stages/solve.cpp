@@ -31,7 +31,7 @@ void solveOnce(const World& world, const Settings& settings, TrialStep& t) {
     t.result.pivots += static_cast<std::uint64_t>(t.stage.report.pivots);
     SC_ASSERT(t.stage.r.size() == 2 * static_cast<Eigen::Index>(t.stage.problem.contacts.size()),
               "two impulses a contact");
-    SC_ASSERT(t.stage.motion.size() == world.bodies.size(), "one motion a body");
+    SC_ASSERT(t.stage.host.motion.size() == world.bodies.size(), "one motion a body");
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 #pragma once
-// Sound of shells from plain data: snaps ring, hits click, slides hiss. Samples are equal on every machine. What is
-// heard is drawn with a broad brush: real modes of a shell of some centimetres lie below 100 Hz, so pitch keeps their
-// ratios and the order of sizes, not the frequencies (decision 0202).
+// Sound of shells from plain data: snaps ring, hits click, slides hiss. Samples are equal on every machine. The lowest
+// mode of a shell of some centimetres lies below 100 Hz, so pitch keeps the ratios of modes and the order of sizes, not
+// the frequencies (decision 0202).
 
 #include <array>
 #include <cstddef>

@@ -26,16 +26,18 @@ if (command() === null) {
 }
 const executablePath = execFileSync("sh", ["-c", `command -v ${command()}`], { encoding: "utf8" }).trim();
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const patience = 180000; // ms: machines may be busy, and nothing here is a test of speed
 const wide = { viewport: { width: 1280, height: 720 } }, narrow = { viewport: { width: 400, height: 800 }, hasTouch: true, isMobile: true };
 
 async function open(settings, hash = "") {
   const context = await browser.newContext(settings), page = await context.newPage();
+  page.setDefaultTimeout(patience);
   page.problems = [];
   page.on("console", (m) => ["error", "warning"].includes(m.type()) && page.problems.push(m.text()));
   page.on("pageerror", (e) => page.problems.push(e.message));
   page.on("request", (r) => /^(file|data|blob):/.test(r.url()) || page.problems.push(`asks the network: ${r.url()}`));
   await page.goto(url + hash);
-  await page.waitForFunction(() => globalThis.play?.state.frame?.time > 0, null, { timeout: 30000 });
+  await page.waitForFunction(() => globalThis.play?.state.frame?.time > 0, null, { timeout: patience });
   return page;
 }
 async function close(page) {
@@ -46,9 +48,9 @@ const show = async (page, name) => pictures && page.screenshot({ path: path.join
 
 async function selfPlay() {
   const page = await open(wide);
-  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: 40000 });
+  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: patience });
   await show(page, "wide_snap");
-  await page.waitForFunction(() => document.getElementById("hint").textContent.startsWith("Your turn"), null, { timeout: 60000 });
+  await page.waitForFunction(() => document.getElementById("hint").textContent.startsWith("Your turn"), null, { timeout: patience });
   assert.equal(await page.evaluate(() => play.goals.snaps), 1); // the shell snaps once on its way down
   assert.equal(await page.evaluate(() => play.goals.done.size), 0); // the visitor has done nothing yet
   await close(page);
@@ -62,9 +64,10 @@ async function typeAt(page, opening, friction) {
   await page.mouse.down();
   await page.mouse.move(box.x + at[0], box.y + at[1], { steps: 3 });
   await page.mouse.up();
-  await page.waitForFunction(([o]) => Math.abs(play.state.numbers.phi_bar - o) < 0.004 && play.state.frame.time < 1, [opening], { timeout: 20000 });
+  await page.waitForFunction(([o, f]) => Math.abs(play.state.numbers.phi_bar - o) < 0.004 && Math.abs(play.state.numbers.mu - f) < 0.02 &&
+    play.state.frame?.travel === 0, [opening, friction], { timeout: patience });
   await page.click("#press"); // a tap is a whole stroke
-  await page.waitForFunction(() => play.state.frame.travel > 0.97 * play.state.scene.most(play.state.numbers), null, { timeout: 60000 });
+  await page.waitForFunction(() => play.state.frame?.travel > 0.97 * play.state.scene.most(play.state.numbers), null, { timeout: patience });
   return page.evaluate(() => document.getElementById("type").dataset.type);
 }
 
@@ -72,8 +75,8 @@ async function phaseDiagram() {
   const page = await open(wide, "#s=snap&phi_bar=0.8&mu=0.3&speed=1");
   for (const opening of [0.8, 0.85, 0.9]) {
     const boundary = await page.evaluate((o) => play.scenes.snap.boundary(o), opening);
-    assert.equal(await typeAt(page, opening, 0.8 * boundary), "I", `below the boundary at ${opening}`);
-    assert.equal(await typeAt(page, opening, 1.2 * boundary), "II", `above the boundary at ${opening}`);
+    assert.equal(await typeAt(page, opening, 0.65 * boundary), "I", `below the boundary at ${opening}`);
+    assert.equal(await typeAt(page, opening, 1.35 * boundary), "II", `above the boundary at ${opening}`);
   }
   assert.ok(await page.evaluate(() => play.goals.done.has("stick")));
   await close(page);
@@ -83,7 +86,7 @@ async function everyScene() {
   const page = await open(wide);
   for (const name of await page.evaluate(() => Object.keys(play.scenes))) {
     await page.click(`#pictures button[data-name="${name}"]`);
-    await page.waitForFunction((n) => play.state.name === n && play.state.frame?.time > 0, name, { timeout: 20000 });
+    await page.waitForFunction((n) => play.state.name === n && play.state.frame?.time > 0, name, { timeout: patience });
     const answer = await page.evaluate(() => play.ask({ kind: "forward", steps: 600 }));
     assert.equal(answer.quarantined, 0, name);
     assert.ok(answer.finite && answer.time > 5, name);
@@ -102,9 +105,9 @@ async function wrongText() {
   const told = await problem.textContent();
   const line = (await page.inputValue("#text")).split("\n").findIndex((l) => l.includes('"thicknes"')) + 1;
   assert.match(told, new RegExp(`:${line}:\\d+: .*thicknes`));
-  const before = await page.evaluate(() => play.state.frame.time);
+  const before = await page.evaluate(() => play.state.frame?.time);
   await page.click("#run");
-  await page.waitForFunction((t) => play.state.frame.time > t, before); // what ran goes on
+  await page.waitForFunction((t) => play.state.frame?.time > t, before); // what ran goes on
   await problem.click();
   const chosen = await page.evaluate(() => { const a = document.getElementById("text"); return a.value.slice(a.selectionStart, a.selectionEnd); });
   assert.equal(chosen, '"thicknes"');
@@ -166,13 +169,13 @@ async function narrowPage() {
   await page.tap("#tab-feel");
   const touch = await page.context().newCDPSession(page);
   await page.evaluate(() => play.load({ name: "snap" }));
-  await page.waitForFunction(() => play.state.frame.mode === "hand");
+  await page.waitForFunction(() => play.state.frame?.mode === "hand");
   const at = await page.evaluate(() => { const b = document.getElementById("world").getBoundingClientRect(), h = play.handle(); return [b.left + h[0], b.top + h[1]]; });
   const points = (y) => [{ x: at[0], y: at[1] + y }];
   await touch.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: points(0) });
   for (let y = 10; y <= 60; y += 10)
     await touch.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: points(y) });
-  await page.waitForFunction(() => play.state.frame.travel > 0.3, null, { timeout: 20000 });
+  await page.waitForFunction(() => play.state.frame?.travel > 0.3, null, { timeout: patience });
   await touch.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
   await close(page);
 }
@@ -195,9 +198,9 @@ async function keyboard() {
   await reach("pad");
   const before = await page.evaluate(() => play.state.parameters.phi_bar ?? play.state.numbers.phi_bar);
   await page.keyboard.press("ArrowRight");
-  await page.waitForFunction((b) => play.state.numbers.phi_bar > b && play.state.frame.time < 1, before);
+  await page.waitForFunction((b) => play.state.numbers.phi_bar > b && play.state.frame?.time < 1, before);
   await page.keyboard.down(" ");
-  await page.waitForFunction(() => play.state.frame.travel > 0.2);
+  await page.waitForFunction(() => play.state.frame?.travel > 0.2);
   await page.keyboard.up(" ");
   await reach("share");
   await page.keyboard.press("Enter");
@@ -214,7 +217,7 @@ async function reducedMotion() {
     play.onFrame = (frame) => count(frame.list.operations);
   });
   await page.click("#press");
-  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: 60000 });
+  await page.waitForFunction(() => document.getElementById("live").textContent.startsWith("Snap, "), null, { timeout: patience });
   await page.waitForTimeout(500);
   assert.equal(await page.evaluate(() => globalThis.glows), 0);
   await close(page);

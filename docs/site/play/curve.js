@@ -6,10 +6,26 @@ class Curve {
     this.clear();
   }
 
-  clear() {
+  clear(key = []) {
+    this.key = key;
     this.strokes = [[]];
     this.others = [[]];
     this.draw();
+  }
+
+  /** Another test begins; what was measured stays as pale lines. */
+  next() {
+    if (this.strokes.at(-1).length > 1)
+      this.push([], []);
+  }
+
+  push(stroke, other) {
+    this.strokes.push(stroke);
+    this.others.push(other);
+    if (this.strokes.length > 6) {
+      this.strokes.shift();
+      this.others.shift();
+    }
   }
 
   /** Force (N) at a travel (m); `other` is a second instrument's. A stroke ends where the travel turns. */
@@ -18,12 +34,7 @@ class Curve {
     if (last && Math.abs(travel - last[0]) < 1e-6)
       return;
     if (before && (travel - last[0]) * (last[0] - before[0]) < 0) {
-      this.strokes.push([last]);
-      this.others.push([this.others.at(-1).at(-1)]);
-      if (this.strokes.length > 6) {
-        this.strokes.shift();
-        this.others.shift();
-      }
+      this.push([last], [this.others.at(-1).at(-1)]);
     }
     this.strokes.at(-1).push([travel, force]);
     this.others.at(-1).push([travel, other]);
@@ -53,6 +64,11 @@ class Curve {
     context.fillText("0", 42, y(0) + 4);
     context.textAlign = "left";
     context.fillText("force over travel", 50, height - 4);
+    context.textAlign = "right";
+    this.key.forEach((name, i) => {
+      context.fillStyle = ["#6cc9ff", "#ff7a7a"][i];
+      context.fillText(name, width - 10, 24 + 13 * i);
+    });
     this.lines(context, this.others, x, y, "#ff7a7a");
     this.lines(context, this.strokes, x, y, "#6cc9ff");
   }

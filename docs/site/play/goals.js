@@ -1,8 +1,8 @@
 // Six small goals; what was reached stays ticked in this browser.
 
 const goalTexts = {
-  snap: "snap one", stick: "make it stick", nest: "nest three", five: "five snaps in one stroke", joules: "300 J in one stroke",
-  hold: "hold 10 N below 20 % of the travel",
+  snap: "snap one", stick: "make it stick", nest: "nest three", five: "five snaps in one press", joules: "300 J in one press",
+  hold: "hold 10 N in the first fifth of the way",
 };
 
 class Goals {
@@ -21,6 +21,13 @@ class Goals {
       item.classList.toggle("done", this.done.has(key));
       list.append(item);
     }
+  }
+
+  /** Shows those that a scene has. */
+  show(keys) {
+    for (const key in goalTexts)
+      document.getElementById(`goal-${key}`).hidden = !keys.includes(key);
+    this.list.hidden = keys.length === 0;
   }
 
   /** A new stroke of the press. */

@@ -1,6 +1,6 @@
 // The phase diagram as a control: opening angle across, friction upwards, the boundary of equation (1), a dot to drag.
 
-const OPENINGS = [0.6, 0.95], FRICTIONS = [0, 1];
+const OPENINGS = [0.5, 0.95], FRICTIONS = [0, 1];
 
 class Pad {
   constructor(canvas, onChange) {
@@ -72,7 +72,7 @@ class Pad {
     context.fillStyle = "#a9b7c6";
     context.font = "11px system-ui, sans-serif";
     context.textAlign = "center";
-    for (const o of [0.6, 0.7, 0.8, 0.9])
+    for (const o of [0.5, 0.6, 0.7, 0.8, 0.9])
       context.fillText(o.toFixed(1), x(o), height - 16);
     context.fillText("opening angle / 360°", m.left + m.width / 2, height - 3);
     context.textAlign = "right";

@@ -34,13 +34,13 @@ const pad = new Pad($("pad"), (opening, friction) => {
 });
 
 let engine = null;
-let reload = 0;
+let reload = 0, wanted = null; // parameters that are on their way
 
 /* ---- loading */
 
 const own = () => (state.name ? scenes[state.name] : foreign);
 
-async function load({ name = null, text = name ? texts[name] : "", parameters = {}, selfPlay = false }) {
+async function load({ name = null, text = name ? texts[name] : "", parameters = {}, selfPlay = false }, keepView = false) {
   const scene = name ? scenes[name] : foreign;
   const numbers = { ...defaultsOf(text), ...parameters };
   const answer = await engine.ask({
@@ -55,19 +55,22 @@ async function load({ name = null, text = name ? texts[name] : "", parameters = 
     return false;
   }
   const sameScene = state.name === name && state.text === text;
-  Object.assign(state, { name, text, scene, parameters, drag: undefined, grab: null, press: 0, selfPlay, ghost: selfPlay });
+  stroke = null;
+  Object.assign(state, { name, text, scene, parameters, drag: undefined, grab: null, press: 0, selfPlay, ghost: selfPlay, frame: null });
   state.known = answer.parameters;
   state.numbers = Object.fromEntries(answer.parameters.map((p) => [p.name, p.value]));
-  if (!sameScene) {
+  if (!sameScene || !keepView)
     frameView(scene.view ?? padded(answer.bounds));
+  if (!sameScene) {
     buildSliders();
     $("text").value = text;
     for (const button of $("pictures").children)
       button.setAttribute("aria-current", String(button.dataset.name === name));
   }
-  curve.clear();
+  sameScene ? curve.next() : curve.clear(scene.key);
   energies.clear();
   goals.begin();
+  goals.show(scene.goals ?? []);
   showPad();
   if (!selfPlay)
     hint(scene.hint);
@@ -91,12 +94,16 @@ const padded = ([x0, y0, x1, y1]) => {
 
 /** Changed parameters start the scene again, at most every 120 ms while something is dragged. */
 function change(parameters) {
-  const before = state.parameters;
-  state.parameters = { ...before, ...parameters };
+  wanted = { ...(wanted ?? state.parameters), ...parameters };
   for (const [name, value] of Object.entries(parameters))
     showSlider(name, value);
   clearTimeout(reload);
-  reload = setTimeout(() => load({ name: state.name, text: state.text, parameters: state.parameters }), 120);
+  reload = setTimeout(async () => {
+    const asked = wanted;
+    await load({ name: state.name, text: state.text, parameters: asked }, true);
+    if (wanted === asked)
+      wanted = null;
+  }, 120);
 }
 
 /* ---- parameters */
@@ -107,7 +114,7 @@ function buildSliders() {
     if (!Number.isFinite(p.min) || !Number.isFinite(p.max) || (!state.name && $("sliders").children.length >= 8))
       continue;
     const label = document.createElement("label"), value = document.createElement("output"), input = document.createElement("input");
-    const id = `parameter-${p.name}`, label_text = { phi_bar: "opening", mu: "friction" }[p.name] ?? p.name.replaceAll("_", " ");
+    const id = `parameter-${p.name}`, label_text = { phi_bar: "opening", mu: "friction", speed: "press speed" }[p.name] ?? p.name.replaceAll("_", " ");
     label.htmlFor = id;
     label.title = p.about ?? "";
     Object.assign(input, { type: "range", id, min: p.min, max: p.max, step: p.integer ? 1 : (p.max - p.min) / 200 || "any" });
@@ -131,10 +138,10 @@ function showSlider(name, value) {
 }
 
 function showPad() {
-  const has = "phi_bar" in state.numbers && "mu" in state.numbers;
+  const has = Boolean(state.scene.boundary);
   $("phase").hidden = !has;
   pad.boundary = state.scene.boundary ?? null;
-  if (has)
+  if (has && wanted === null)
     pad.set(state.numbers.phi_bar, state.numbers.mu);
   $("pressing").hidden = !state.scene.pressed;
   $("curve").hidden = !state.scene.pressed && state.name !== null;
@@ -170,12 +177,18 @@ const toScreen = (x, y) => [
   $("world").clientHeight / 2 - (y - state.camera.y) * state.camera.scale,
 ];
 
+/** The middle of the picture stays over the scene. */
+function moveCamera(dx, dy) {
+  const [x0, y0, x1, y1] = state.extent;
+  state.camera.x = Math.max(x0, Math.min(x1, state.camera.x + dx));
+  state.camera.y = Math.max(y0, Math.min(y1, state.camera.y + dy));
+}
+
 function zoom(px, py, by) {
   const before = toWorld(px, py);
   state.camera.scale = Math.max(1, Math.min(1e6, state.camera.scale * by));
   const after = toWorld(px, py);
-  state.camera.x += before.x - after.x;
-  state.camera.y += before.y - after.y;
+  moveCamera(before.x - after.x, before.y - after.y);
 }
 
 /* ---- hands */
@@ -211,14 +224,17 @@ function down(event) {
   }
   const radius = 24 / state.camera.scale, at = toWorld(event.offsetX, event.offsetY), handle = handlePlace();
   const near = handle && Math.hypot(at.x - handle[0], at.y - handle[1]) < 2.5 * radius;
-  if (state.scene.pressed && (near || !state.scene.body)) {
+  // Without a plate the handle's shell is held, and anywhere in its circle takes it.
+  const onShell = handle && !state.scene.body && Math.hypot(at.x - handle[0], at.y - handle[1] + 1) < 1.15;
+  if (state.scene.pressed && (near || onShell)) {
     state.dragFrom = { y: at.y, travel: state.frame?.travel ?? 0 };
     state.drag = state.dragFrom.travel;
     goals.begin();
     return;
   }
-  state.grab = { ...at, radius };
+  state.grab = { ...at, radius: 1.5 * radius };
   state.pointer = at;
+  state.undecided = true;
   pan = { x: event.offsetX, y: event.offsetY };
 }
 
@@ -229,8 +245,7 @@ function move(event) {
   if (pinch && fingers.size === 2) {
     const [a, b] = [...fingers.values()];
     const next = { distance: Math.hypot(a[0] - b[0], a[1] - b[1]), x: (a[0] + b[0]) / 2, y: (a[1] + b[1]) / 2 };
-    state.camera.x -= (next.x - pinch.x) / state.camera.scale;
-    state.camera.y += (next.y - pinch.y) / state.camera.scale;
+    moveCamera((pinch.x - next.x) / state.camera.scale, (next.y - pinch.y) / state.camera.scale);
     zoom(next.x, next.y, next.distance / Math.max(1, pinch.distance));
     pinch = next;
     return;
@@ -238,11 +253,11 @@ function move(event) {
   const at = toWorld(event.offsetX, event.offsetY);
   if (state.drag !== undefined)
     state.drag = Math.max(0, state.dragFrom.travel + state.dragFrom.y - at.y);
-  else if (state.pointer && (state.frame?.grabbed || event.pointerType !== "mouse" || !pan))
+  else if (state.undecided || state.frame?.grabbed) {
     state.pointer = at;
-  else if (pan && state.frame && !state.frame.grabbed && !state.grab) {
-    state.camera.x -= (event.offsetX - pan.x) / state.camera.scale;
-    state.camera.y += (event.offsetY - pan.y) / state.camera.scale;
+    pan = { x: event.offsetX, y: event.offsetY };
+  } else if (pan) {
+    moveCamera((pan.x - event.offsetX) / state.camera.scale, (event.offsetY - pan.y) / state.camera.scale);
     pan = { x: event.offsetX, y: event.offsetY };
   }
 }
@@ -301,8 +316,7 @@ $("world").addEventListener("keydown", (event) => {
   const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
   if (by) {
     event.preventDefault();
-    state.camera.x += 30 * by[0] / state.camera.scale;
-    state.camera.y += 30 * by[1] / state.camera.scale;
+    moveCamera(30 * by[0] / state.camera.scale, 30 * by[1] / state.camera.scale);
   } else if (event.key === "+" || event.key === "-")
     zoom($("world").clientWidth / 2, $("world").clientHeight / 2, event.key === "+" ? 1.2 : 1 / 1.2);
 });
@@ -417,11 +431,14 @@ function show(frame) {
     state.selfPlay = state.ghost = false;
     hint("Your turn: grab it.");
   }
+  if (frame.decided)
+    state.undecided = false;
+  $("world").style.cursor = frame.grabbed || state.drag !== undefined ? "grabbing" : "";
   const drawn = performance.now() - before;
   state.simulation += 0.05 * (frame.simulation - state.simulation);
   state.drawing += 0.05 * (drawn + frame.picture - state.drawing);
   $("times").textContent = `${state.simulation.toFixed(1)} ms simulation, ${state.drawing.toFixed(1)} ms picture` +
-    `${frame.exhausted ? ", slower than time" : ""}`;
+    `${frame.exhausted || state.slow ? ", in slow motion" : ""}`;
   // Late pictures get fewer pixels: half the pixels halve the time of filling.
   state.late = drawn > 14 ? state.late + 1 : Math.max(0, state.late - 0.2);
   if (state.late > 30 && state.ratio > 0.75) {
@@ -435,6 +452,8 @@ function snapWords(frame) {
     return;
   const largest = Math.max(...frame.snaps.map((s) => s.energy));
   say(`Snap, ${unitText(largest, "J")}`);
+  if (state.byHand && state.scene.boundary)
+    hint(`Snapped: ${unitText(largest, "J")} released. Now drag the orange dot into the blue and press: does it still snap?`);
   if (!still.matches && state.selfPlay)
     state.slowUntil = performance.now() + 500;
 }
@@ -445,6 +464,15 @@ function drawHands(context) {
   if (!place)
     return;
   const [x, y] = toScreen(...place);
+  if (state.drag !== undefined) { // the hand is ahead of the press
+    const wanted = toScreen(place[0], place[1] + state.frame.travel - state.drag);
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(...wanted);
+    context.strokeStyle = "#ffb454";
+    context.lineWidth = 2;
+    context.stroke();
+  }
   context.beginPath();
   context.arc(x, y, state.ghost ? 16 : 11, 0, 7);
   context.fillStyle = state.drag !== undefined || state.ghost ? "rgba(255,180,84,0.85)" : "rgba(255,180,84,0.35)";
@@ -471,7 +499,9 @@ $("step").addEventListener("click", () => {
     $("pause").click();
   state.single = 1;
 });
-$("restart").addEventListener("click", () => load(state));
+$("restart").addEventListener("click", () => load({ name: state.name, text: state.text, parameters: state.parameters }));
+$("fit").addEventListener("click", () => frameView(state.extent));
+$("world").addEventListener("dblclick", () => frameView(state.extent));
 $("run").addEventListener("click", async () => {
   touched();
   const text = $("text").value, name = Object.keys(texts).find((n) => texts[n] === text) ?? null;
@@ -494,6 +524,8 @@ $("copy").addEventListener("click", async () => {
   } catch {
     document.execCommand("copy");
   }
+  $("copy").textContent = "Copied";
+  setTimeout(() => { $("copy").textContent = "Copy"; }, 2000);
   say("Copied.");
 });
 $("save").addEventListener("click", () => {

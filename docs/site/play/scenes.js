@@ -32,21 +32,21 @@ function twinFriction(opening) {
 
 const scenes = {
   snap: {
-    title: "Snap", hint: "Drag the shell down over the cylinder, or press.", view: [-2.2, -1.35, 2.2, 3.2],
+    title: "Snap", goals: ["snap", "stick", "hold"], hint: "Drag the shell down over the cylinder, or press.", view: [-2.2, -1.35, 2.2, 3.2],
     pressed: true, most: (p) => 0.97 * overCylinder(p.phi_bar, 0.001), unit: forceUnit, boundary: stickingFriction,
     handle: (p) => [0, overCylinder(p.phi_bar, 0.001) + 1], selfPlay: true,
   },
   two_shells: {
-    title: "Two shells", hint: "Both bend. The upper one slides or sticks.", view: [-2.3, -2.1, 2.3, 3.3],
+    title: "Two shells", goals: ["snap", "stick", "hold"], hint: "Both bend. The upper one slides or sticks.", view: [-2.3, -2.1, 2.3, 3.3],
     pressed: true, most: (p) => 0.95 * (overCylinder(p.phi_bar, thickness + 0.001) - thickness), unit: forceUnit,
     boundary: twinFriction, handle: (p) => [0, overCylinder(p.phi_bar, thickness + 0.001) + 1],
   },
   nest: {
-    title: "Nest", hint: "Press three shells into one nest.", view: [-3.6, -0.5, 3.6, 7.6],
+    title: "Nest", goals: ["nest"], hint: "Press three shells into one nest.", view: [-3.6, -0.5, 3.6, 7.6],
     pressed: true, body: "press", most: () => 5.15, handle: () => [0, 7.15],
   },
   pile_and_press: {
-    title: "Pile and press", hint: "Let them fall, then press. How many snaps in one stroke?", view: [-5.4, -0.5, 5.4, 11.4],
+    title: "Pile and press", goals: ["five", "joules"], hint: "Let them fall, then press. How many snaps in one stroke?", view: [-5.4, -0.5, 5.4, 11.4],
     pressed: true, body: "press", most: () => 8.2, handle: () => [0, 10.95],
   },
   drop_and_throw: { title: "Drop and throw", hint: "Grab a shell and throw it. Hang one on the post.", view: [-7.6, -0.6, 7.6, 8] },
@@ -57,7 +57,7 @@ const scenes = {
   shell_tower: { title: "Shell tower", hint: "Throw the ball at the tower.", view: [-9.6, -0.6, 9.6, 8] },
   peg_board: { title: "Peg board", hint: "Some hang on the pegs.", view: [-5.4, -0.5, 5.4, 12.2] },
   welded_boxes: {
-    title: "Boxes beside a shell", hint: "Left a shell, right the usual chain of boxes on weld joints. The boxes need 16 steps a frame.",
+    title: "Welded boxes", key: ["shell", "boxes"], hint: "Left a shell, right the usual chain of boxes on weld joints. Red: what a load cell under the boxes says.",
     view: [-2.2, -2.3, 5.4, 3.2], pressed: true, most: () => 0.97 * overCylinder(0.9, 0.001),
     handle: () => [0, overCylinder(0.9, 0.001) + 1], also: ["press of boxes"], substeps: 16,
     cells: [{ body: "load cell", rest: 0, stiffness: 4 * (2 * Math.PI * 20) ** 2 }],

@@ -47,7 +47,7 @@ const finite = (x) => (Number.isFinite(x) ? x : 0);
 /** Velocity of the crosshead for this step, positive downwards; the hand moves it, or a drag asks for a travel. */
 function wantedSpeed(p, order, dt) {
   const v = order.drag === undefined ? order.press * p.rate
-    : Math.max(-2 * p.rate, Math.min(2 * p.rate, (order.drag - p.travel) / (4 * dt)));
+    : Math.max(-4 * p.rate, Math.min(4 * p.rate, (order.drag - p.travel) / (4 * dt)));
   return Math.max(-p.travel / dt, Math.min((p.most - p.travel) / dt, v));
 }
 
@@ -62,16 +62,7 @@ function grab(p, order) {
   if (order.grab) {
     drop(p);
     const at = { x: order.grab.x, y: order.grab.y };
-    try {
-      const hit = p.world.closestPoint(at, order.grab.radius);
-      p.grab = hit.shell.grab(hit.arc, at, { frequency: 4, dampingRatio: 1 });
-    } catch {
-      try {
-        p.grab = p.world.grabBody(at, 0);
-      } catch {
-        p.grab = null;
-      }
-    }
+    p.grab = grabBody(p, at) ?? grabShell(p, at, order.grab.radius) ?? grabBody(p, at, order.grab.radius);
   }
   if (order.release)
     drop(p);
@@ -82,6 +73,26 @@ function grab(p, order) {
       p.grab = null;
     }
   }
+}
+
+function grabShell(p, at, radius) {
+  try {
+    const hit = p.world.closestPoint(at, radius);
+    return hit.shell.grab(hit.arc, at, { frequency: 4, dampingRatio: 1 });
+  } catch {
+    return null;
+  }
+}
+
+/** The loose body under a place, or the first one found on a circle around it. */
+function grabBody(p, at, radius = 0) {
+  for (let i = 0; i < (radius > 0 ? 8 : 1); ++i) {
+    const there = { x: at.x + radius * Math.cos(i * Math.PI / 4), y: at.y + radius * Math.sin(i * Math.PI / 4) };
+    try {
+      return p.world.grabBody(there, 0);
+    } catch { /* nothing there */ }
+  }
+  return null;
 }
 
 function drop(p) {
@@ -152,7 +163,7 @@ function tick(order) {
   const answer = {
     kind: "frame", list, time: p.world.time, travel: p.travel, force: p.force, peak: p.peak, loads, mode: p.mode, snaps: p.snaps,
     energy: { kinetic: energy.kinetic, bending: energy.bending, friction: energy.friction, impact: energy.impact },
-    grabbed: p.grab !== null, nested: order.wantNested ? nested(p.world) : 0, exhausted: Boolean(frame.budgetExhausted),
+    grabbed: p.grab !== null, decided: Boolean(order.grab), nested: order.wantNested ? nested(p.world) : 0, exhausted: Boolean(frame.budgetExhausted),
     quarantined: frame.quarantined, sound, simulation: simulated - begin, picture: performance.now() - simulated,
   };
   const transfer = [list.operations.buffer, list.numbers.buffer];

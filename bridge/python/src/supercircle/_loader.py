@@ -100,7 +100,7 @@ def _bind(library: ctypes.CDLL, calls: _api.Prototypes, error: str, status: str,
 
     def check_address(result: int | None, _call: Any, _arguments: Any) -> int:
         if result is None:
-            raise Error(sentence())
+            raise error_of(getattr(library, status)(), sentence())
         return result
 
     # Before anything else: the calls below may be those of another version.

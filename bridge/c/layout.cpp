@@ -3,26 +3,36 @@
 #include "bridge/c/guard.h"
 
 #include <cstddef>
+#include <iterator>
 
 namespace {
 
+struct Entry {
+    const char* name;
+    std::int32_t number; ///< bytes of a struct, offset of a member
+    bool isStruct;
+};
+
+// A table, because code for each member would be 20 kB.
+constexpr Entry kEntries[] = {
+#define STRUCT(name) {#name, sizeof(name), true},
+#define MEMBER(name, member) {#member, offsetof(name, member), false},
+#define END()
+#include "bridge/c/layout.inc"
+};
+
 std::string layout() {
     std::string json = "{";
-    bool first = true;
-    const auto comma = [&] { json += first ? "" : ","; };
-#define STRUCT(name)                                                                                                   \
-    comma();                                                                                                           \
-    json += "\"" #name "\":{\"size\":" + std::to_string(sizeof(name)) + ",\"members\":{";                              \
-    first = true;
-#define MEMBER(name, member)                                                                                           \
-    comma();                                                                                                           \
-    json += "\"" #member "\":" + std::to_string(offsetof(name, member));                                               \
-    first = false;
-#define END()                                                                                                          \
-    json += "}}";                                                                                                      \
-    first = false;
-#include "bridge/c/layout.inc"
-    return json + "}";
+    for (const Entry& e : kEntries) {
+        const bool first = &e == std::begin(kEntries);
+        const bool firstMember = !first && (&e)[-1].isStruct;
+        if (e.isStruct)
+            json += std::string(first ? "" : "}},") + "\"" + e.name + "\":{\"size\":" + std::to_string(e.number) +
+                    ",\"members\":{";
+        else
+            json += std::string(firstMember ? "" : ",") + "\"" + e.name + "\":" + std::to_string(e.number);
+    }
+    return json + "}}}";
 }
 
 } // namespace

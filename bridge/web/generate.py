@@ -17,7 +17,8 @@ import shutil
 HERE = pathlib.Path(__file__).resolve().parent
 HEADER = "supercircle.h"
 # In this order: a source uses those above it.
-SOURCES = ["loader/loader.js", "loader/calls.js", "package/parts.js", "package/world.js", "package/library.js"]
+PUBLIC = ["load", "drawPicture", "SupercircleError"]
+SOURCES = ["../../plugin/graphics/picture/canvas.js", "loader/loader.js", "loader/calls.js", "package/parts.js", "package/world.js", "package/library.js"]
 NUMBERS = {"double": ("d", "number"), "int32_t": ("i", "number"), "uint32_t": ("i", "number"), "uint64_t": ("u", "bigint")}
 ARRAYS = {"double": "Float64Array", "float": "Float32Array", "int32_t": "Int32Array", "uint8_t": "Uint8Array", "sc_point": "Float64Array"}
 # Numbers in a struct that say yes or no, and 64-bit members that are more than a count.
@@ -176,11 +177,12 @@ def bundle(api, version, module):
     for name in SOURCES:
         text = re.sub(r"^import [^;]*;\n", "", (HERE / name).read_text(), flags=re.M)
         code.append(re.sub(r"^export ", "", text, flags=re.M))
-    body = "\n".join(code)
+    # Comments are for readers of the sources; a comment begins its line.
+    body = re.sub(r"^ */\*\*[^*]*(?:\*(?!/)[^*]*)*\*/\n|^ *//.*\n|^\n", "", "\n".join(code), flags=re.M)
     notice = f"// supercircle {version}: flexible open shells for 2D physics. MIT licence.\n"
     if module:
-        return f"{notice}{body}\nexport {{ load, SupercircleError }};\n"
-    return f"{notice}globalThis.supercircle = (() => {{\n\"use strict\";\n{body}\nreturn {{ load, SupercircleError }};\n}})();\n"
+        return f"{notice}{body}\nexport {{ {', '.join(PUBLIC)} }};\n"
+    return f"{notice}globalThis.supercircle = (() => {{\n\"use strict\";\n{body}\nreturn {{ {', '.join(PUBLIC)} }};\n}})();\n"
 
 
 def main():

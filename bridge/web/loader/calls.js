@@ -182,7 +182,7 @@ function makeCall(core, name, text) {
       return outputs.length ? results(core, outputs, answer) : answer;
     }
     if (returns === "u") answer = BigInt.asUintN(64, answer);
-    if ((!answer || Number.isNaN(answer)) && core.text(core.exports.sc_error()) !== "") throw core.error(CONSTANTS.SC_BAD_INPUT);
+    if ((!answer || Number.isNaN(answer)) && core.exports.sc_error_status() !== 0) throw core.error();
     if (returns === "t") return core.text(answer);
     if (returns === "b") return core.text(answer, core.data.getInt32(counter.at, true));
     if (returns[0] === "*") return copyArray(core, returns.slice(1), answer, core.data.getInt32(counter.at, true));

@@ -128,7 +128,7 @@ export class Core {
   }
 
   /** The error of the call that was just refused. */
-  error(status, result) {
+  error(status = this.exports.sc_error_status(), result = undefined) {
     return new SupercircleError(status, this.text(this.exports.sc_error()) || "the call was refused", result);
   }
 }

@@ -11,9 +11,20 @@ export type Handle = bigint | { readonly id: bigint } | null;
 export type SceneSource = object | string;
 
 /** What a compiled module may come from; left out: supercircle.wasm beside the package. */
-export type Source = BufferSource | WebAssembly.Module | Response | Promise<BufferSource | WebAssembly.Module | Response> | null;
+type Compilable = ArrayBuffer | ArrayBufferView | Global<"Response"> | (typeof globalThis extends { WebAssembly: { Module: { prototype: infer T } } } ? T : never);
+export type Source = Compilable | Promise<Compilable> | null;
 /** The library on an instance of supercircle.wasm. */
 export function load(source?: Source): Promise<Supercircle>;
+
+/** What a page draws: operations with their numbers and texts, in pixels (docs/reference/picture.md). */
+export interface Picture {
+  operations: Int32Array;
+  numbers: Float32Array;
+  texts: string;
+}
+type Global<Name extends string> = typeof globalThis extends { [name in Name]: { prototype: infer T } } ? T : never;
+/** Draws a picture into a 2D context of a canvas. */
+export function drawPicture(context: Global<"CanvasRenderingContext2D">, operations: Int32Array, numbers: Float32Array, texts: string | Uint8Array): void;
 
 /** A refused call; it has changed nothing. */
 export class SupercircleError extends Error {
@@ -170,12 +181,14 @@ export interface World {
   load(scene: SceneSource, options?: { /** of its random drop */ seed?: number | bigint; parameters?: Record<string, number>; /** in messages */ file?: string }): Scene;
   /** The definition of a picture. */
   view(options?: ViewOptions): View;
+  /** The draw list of drawPicture. */
+  picture(options?: ViewOptions): Picture;
   /** The world as an SVG element. */
   svg(options?: ViewOptions): string;
 }
 
 export type ViewOptions = Omit<Partial<View>, "layers" | "centre"> & {
-  /** Such as "bodies shells", of bodies, shells, strain, contacts, forces, holds; left out: all. */
+  /** Such as "bodies shells", of bodies, shells, strain, contacts, forces, holds, snaps; left out: all. */
   layers?: string | readonly string[];
   centre?: PointLike;
 };

@@ -7,7 +7,7 @@ const CRUSH = { wait: "SC_CRUSH_WAIT", let_through: "SC_CRUSH_LET_THROUGH", free
 const EVENTS = ["contact_begin", "contact_end", "impulse", "snap_begin", "snap_end", "quarantined", "crushed", "broke",
   "overlap", "hold_blocked", "zone_enter", "zone_leave"];
 const PARTS_OF_EVENTS = { a: Shell, b: Shell, body: Body, zone: Zone, hold: Hold, joint: Joint };
-const LAYERS = ["bodies", "shells", "strain", "contacts", "forces", "holds"];
+const LAYERS = Object.fromEntries(Object.keys(CONSTANTS).filter((name) => name.startsWith("SC_LAYER_")).map((name) => [name.slice(9).toLowerCase(), name]));
 
 /** Worlds that are forgotten without dispose() are ended when their object is collected. */
 const forgotten = new FinalizationRegistry(({ core, id }) => {
@@ -218,10 +218,14 @@ export class World {
     const view = { ...this.core.calls.sc_view_init(), ...set(options) };
     if (layers !== undefined) {
       const words = typeof layers === "string" ? layers.split(" ").filter((word) => word !== "") : layers;
-      const bits = Object.fromEntries(LAYERS.map((word) => [word, `SC_LAYER_${word.toUpperCase()}`]));
-      view.layers = words.reduce((sum, word) => sum | choice(word, bits, "a layer"), 0);
+      view.layers = words.reduce((sum, word) => sum | choice(word, LAYERS, "a layer"), 0);
     }
     return view;
+  }
+  /** The draw list of drawPicture(). */
+  picture(options = {}) {
+    this.with("sc_picture_make", this.view(options));
+    return { operations: this.with("sc_picture_operations"), numbers: this.with("sc_picture_numbers"), texts: this.with("sc_picture_texts") };
   }
   svg(options = {}) {
     return this.with("sc_picture_svg", this.view(options));

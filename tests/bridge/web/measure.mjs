@@ -1,5 +1,5 @@
 // measure.mjs [SHELLS]: prints what docs/decisions/0201 states: bytes, time until ready, processor time of a stack of
-// shells (18) against the native library. Not a test: times depend on the machine and on its load. Wants the environment
+// shells (18; 0: none) against the native library. Not a test: times depend on the machine and on its load. Wants the environment
 // of the tests (tests/CMakeLists.txt), or takes the folders of this source tree.
 
 import { spawnSync } from "node:child_process";
@@ -39,6 +39,7 @@ fetch("report", { method: "POST", body: JSON.stringify(performance.now() - start
 }
 
 const shells = Number(process.argv[2] ?? 18);
+if (shells === 0) process.exit(0);
 const cpu = process.cpuUsage();
 const end = play(sc, readFileSync(`${source}/scenes/stack30.json`, "utf8"), { shells });
 const { user, system } = process.cpuUsage(cpu);

@@ -129,6 +129,10 @@ test("a scene is played", () => {
   assert.equal(played.phase, "done");
   assert.ok(largest > 0);
   assert.ok(world.svg({ width: 200, height: 100, layers: "shells bodies" }).startsWith("<svg"));
+  const { operations, numbers, texts } = world.picture({ width: 200, height: 100, layers: ["shells"] });
+  let count = 0;
+  for (let i = 1; i < operations.length; i += 2) count += operations[i];
+  assert.ok(operations.length > 0 && numbers.length === count && numbers instanceof Float32Array && typeof texts === "string");
   played.dispose();
   world.dispose();
 });
@@ -231,7 +235,7 @@ test("every call is there, has a type, and is used by a class", () => {
   const types = readFileSync(`${folder}/supercircle.d.ts`, "utf8");
   const code = ["package/parts.js", "package/world.js", "package/library.js"].map((f) => readFileSync(`${source}/bridge/web/${f}`, "utf8")).join("\n");
   // Threads are one in WebAssembly; memory and layouts are the loader's.
-  const without = new Set(["sc_api_version", "sc_error", "sc_alloc", "sc_free", "sc_layout", "sc_world_set_threads"]);
+  const without = new Set(["sc_api_version", "sc_error", "sc_error_status", "sc_alloc", "sc_free", "sc_layout", "sc_world_set_threads"]);
   const unused = [];
   for (const { name, header } of api.calls.filter((c) => c.header === "supercircle.h")) {
     assert.equal(typeof sc.calls[name], "function", name);

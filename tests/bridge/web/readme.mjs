@@ -8,11 +8,12 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium, report } from "./browser.mjs";
-import { folder } from "./package.mjs";
+import { folder, source } from "./package.mjs";
 
 const readme = readFileSync(`${folder}/README.md`, "utf8");
 const program = readme.match(/```js\n([^]*?)```/)[1];
 assert.ok(program.trim().split("\n").length <= 12, "about ten lines");
+assert.ok(readFileSync(`${source}/docs/how-to/from_javascript.md`, "utf8").includes(program), "the how-to page has the same program");
 
 const work = mkdtempSync(join(tmpdir(), "supercircle-readme-"));
 try {

@@ -1,4 +1,4 @@
-// What a page downloads: module and loader, compressed, are at most 550 kB.
+// What a page downloads: module and loader, compressed. Decision 0201 has the parts; the bound is their sum and a twentieth.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -9,4 +9,4 @@ const kB = (name) => gzipSync(readFileSync(`${folder}/${name}`), { level: 9 }).l
 const module = kB("supercircle.wasm");
 const loader = kB("supercircle.mjs");
 console.log(`supercircle.wasm ${module.toFixed(1)} kB, supercircle.mjs ${loader.toFixed(1)} kB, both ${(module + loader).toFixed(1)} kB with gzip -9`);
-assert.ok(module + loader <= 550);
+assert.ok(module + loader <= 900);

@@ -1,5 +1,5 @@
 // A program in TypeScript that uses every class: `tsc --strict` must accept it, and refuse the lines marked so.
-import { load, SupercircleError, type Frame, type Shell, type Supercircle, type World } from "supercircle";
+import { drawPicture, load, SupercircleError, type Frame, type Shell, type Supercircle, type World } from "supercircle";
 
 const sc: Supercircle = await load();
 const world: World = sc.World.forScene({ schema: "supercircle-scene/1" }, { quality: "game" });
@@ -25,13 +25,15 @@ for (const hit of own.rayCast([0, 1], [0, -1])) console.log(hit.shell.id, hit.no
 const state: Uint8Array = own.save();
 const raw: Float64Array = sc.calls.sc_shell_polyline(own, shell, 1e-5);
 const svg: string = own.svg({ width: 100, layers: "bodies shells", centre: [0, 0] });
+const { operations, numbers, texts } = own.picture({ width: 100, pixelRatio: 2, reducedMotion: true });
+const draw = (context: CanvasRenderingContext2D) => drawPicture(context, operations, numbers, texts);
 if (shell instanceof sc.Shell) shell.dispose();
 try {
   own.step(Number.NaN);
 } catch (error) {
   if (error instanceof SupercircleError) console.log(error.kind, error.message);
 }
-console.log(frame.leftOut, line, joint.reaction.force, push.valid, zone.shells, played, hash, state, raw, svg, sc.effects()[0].key);
+console.log(frame.leftOut, line, joint.reaction.force, push.valid, zone.shells, played, hash, state, raw, svg, draw, sc.effects()[0].key);
 
 // @ts-expect-error
 own.createShell({ radus: 1 });

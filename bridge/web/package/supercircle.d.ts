@@ -183,6 +183,8 @@ export interface World {
   view(options?: ViewOptions): View;
   /** The draw list of drawPicture. */
   picture(options?: ViewOptions): Picture;
+  /** The next `seconds` of what is heard: mono, 48000 samples a second between -1 and 1. */
+  sound(seconds: number): Float32Array;
   /** The world as an SVG element. */
   svg(options?: ViewOptions): string;
 }

@@ -227,6 +227,10 @@ export class World {
     this.with("sc_picture_make", this.view(options));
     return { operations: this.with("sc_picture_operations"), numbers: this.with("sc_picture_numbers"), texts: this.with("sc_picture_texts") };
   }
+  sound(seconds) {
+    this.with("sc_sound_make", seconds);
+    return this.with("sc_sound_samples");
+  }
   svg(options = {}) {
     return this.with("sc_picture_svg", this.view(options));
   }

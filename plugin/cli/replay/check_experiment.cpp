@@ -1,13 +1,20 @@
+#include "plugin/cli/command_line.h"
 #include "plugin/cli/input.h"
 #include "plugin/cli/output.h"
 #include "plugin/cli/subcommands.h"
 
+#include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/diagnosis/visibility.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
+#include "supercircle/step/parallel.h"
 
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
+#include <string>
+#include <utility>
 
 namespace supercircle::cli {
 
@@ -26,6 +33,54 @@ std::string firstSteps(const experiment::Experiment& e, const replay::Parameters
             return names[run] + " cannot be simulated: " + played.failure;
     }
     return {};
+}
+
+/// Whether all runs are short enough for some fifty simulations of each: single presses take 1 to 13 s of one core.
+bool shortEnough(const experiment::Experiment& e) {
+    const std::uint64_t most = experiment::isMechanism(e) ? 100000 : 2000; // coarse steps of all runs
+    std::uint64_t steps = 0;
+    for (std::size_t run = 0; run < e.runs.size() && steps <= most; ++run)
+        steps += replay::simulate(e, run, replay::nominal(e), replay::Resolution::coarse()).steps;
+    return steps <= most;
+}
+
+/// Prints which stated numbers and effects these runs could see.
+void tellVisible(const experiment::Experiment& e) {
+    const diagnosis::RecordedData data = diagnosis::recordedDataOf(e);
+    const diagnosis::Noise noise = diagnosis::estimateNoise(data);
+    if (noise.total() <= 0.0)
+        return;
+    if (!shortEnough(e)) {
+        std::printf("  long runs: `supercircle sensitivity` shows which numbers they see\n");
+        return;
+    }
+    const diagnosis::ReplayModel model(e);
+    diagnosis::SimulationCache cache;
+    diagnosis::Evaluator evaluator(model, e.runs.size(), step::threadLoop(cores(8)), cache);
+    const diagnosis::Visibility found = diagnosis::visibilityOf(data, noise, evaluator);
+    if (!found.failure.empty())
+        return;
+    std::printf("  with a noise of %.2g %s these runs could see:\n", noise.total(), data.unit.c_str());
+    std::string unseen, like, weak;
+    const auto add = [](std::string& list, const std::string& what) { list += (list.empty() ? "" : ", ") + what; };
+    for (const diagnosis::VisibleNumber& n : found.numbers)
+        if (n.seen())
+            std::printf("    %-20s to %.2g %s of +- %.2g\n", n.name.c_str(), n.left, n.unit.c_str(), n.halfWidth);
+        else
+            add(unseen, n.name);
+    for (const diagnosis::VisibleEffect& effect : found.effects)
+        if (effect.seen())
+            std::printf("    %-20s a noticeable size changes them by %.3g standard deviations\n", effect.label.c_str(),
+                        effect.own);
+        else if (effect.imitated())
+            add(like, effect.label + (effect.like.empty() ? "" : " (by " + effect.like + ")"));
+        else
+            add(weak, effect.label);
+    for (const auto& [words, list] : {std::pair{"numbers that stay within their intervals", &unseen},
+                                      {"effects that stated numbers imitate", &like},
+                                      {"effects that noise hides", &weak}})
+        if (!list->empty())
+            std::printf("    %s: %s\n", words, list->c_str());
 }
 
 } // namespace
@@ -85,6 +140,8 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
             if (b.scale > 0.0)
                 std::printf("  batch: %s differs between specimens, by a standard deviation of the order of %g\n",
                             b.name.c_str(), b.scale);
+    if (parameters.empty())
+        tellVisible(*loaded);
     return printed() ? kDone : kCannotWrite;
 }
 

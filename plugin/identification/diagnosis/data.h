@@ -80,8 +80,11 @@ private:
 RecordedRun recordedRun(const experiment::Run& run, std::size_t markers, bool free, double perUnit,
                         const experiment::NaturalUnits& units, const std::vector<double>& further = {});
 
-/// Whether the testing machine follows the same motion in both.
+/// Whether both repeat one motion: order, direction and speed of their legs agree to 2 % over the travel that they
+/// share, at least half of the shorter run's. They may end and turn apart, and have other row times.
 bool sameDrive(const RecordedRun& a, const RecordedRun& b);
+/// Whether the commands are equal to rounding.
+bool identicalDrive(const RecordedRun& a, const RecordedRun& b);
 
 /// A channel beside the first one.
 struct FurtherColumn {

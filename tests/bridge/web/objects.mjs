@@ -133,6 +133,8 @@ test("a scene is played", () => {
   let count = 0;
   for (let i = 1; i < operations.length; i += 2) count += operations[i];
   assert.ok(operations.length > 0 && numbers.length === count && numbers instanceof Float32Array && typeof texts === "string");
+  const heard = world.sound(0.1);
+  assert.ok(heard instanceof Float32Array && heard.length === 4800 && heard.every((x) => Math.abs(x) <= 1));
   played.dispose();
   world.dispose();
 });

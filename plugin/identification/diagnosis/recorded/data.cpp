@@ -161,17 +161,6 @@ const char* name(Phase phase) {
                                        : "free";
 }
 
-bool sameDrive(const RecordedRun& a, const RecordedRun& b) {
-    constexpr double kTime = 1e-6, kSpeed = 1e-7; // natural s, of the speed
-    if (a.segments.size() != b.segments.size())
-        return false;
-    for (std::size_t l = 0; l < a.segments.size(); ++l)
-        if (std::abs(a.segments[l].to - b.segments[l].to) > kTime * a.units.time ||
-            std::abs(a.segments[l].speed - b.segments[l].speed) > kSpeed * std::abs(a.segments[l].speed))
-            return false;
-    return true;
-}
-
 std::size_t RecordedData::firstOf(std::size_t run) const {
     std::size_t first = free ? run : 0; // free runs have no drive to compare
     while (first < run &&

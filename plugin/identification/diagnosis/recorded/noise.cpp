@@ -4,6 +4,7 @@
 #include "plugin/identification/diagnosis/model/random.h"
 #include "plugin/identification/diagnosis/recorded/difference_scale.h"
 #include "plugin/identification/diagnosis/recorded/dwell_intervals.h"
+#include "plugin/identification/diagnosis/recorded/repeats.h"
 #include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
 
@@ -48,84 +49,6 @@ double markerNoiseOf(const RecordedData& data) {
     if (noise <= 0.0) // neither stated nor measured at rest: slow motions hardly affect fourth differences
         noise = std::max(whiteStdOf(std::move(anywhere)), quantisationNoise(apart));
     return std::max(noise, quantisationNoise(step));
-}
-
-/// Whether their readings can be subtracted row by row.
-bool repeats(const RecordedRun& a, const RecordedRun& b) {
-    return sameDrive(a, b) && a.specimenReversed == b.specimenReversed && a.specimen == b.specimen &&
-           a.time.size() == b.time.size() && a.time.size() >= 20 &&
-           (a.time - b.time).cwiseAbs().maxCoeff() < 1e-3 * a.units.time;
-}
-
-/// Half the mean squared difference of two runs about its median, without outliers beyond three sigma (snaps one row
-/// apart). A median of absolute values would be one or two quantisation steps.
-double halfSquare(std::vector<double> difference, double sensor) {
-    constexpr double kFar = 3.0, kInside = 0.9733; // mean square of a normal variable within three sigma
-    const double middle = upperMedian(difference);
-    std::vector<double> size;
-    for (double& x : difference) {
-        x -= middle;
-        size.push_back(std::abs(x));
-    }
-    const double far = kFar * std::max(kMadToSigma * upperMedian(size), std::sqrt(2.0) * sensor);
-    double sum = 0.0, rows = 0.0;
-    for (const double x : difference)
-        if (std::abs(x) <= far) {
-            sum += x * x;
-            rows += 1.0;
-        }
-    return rows > 0.0 ? 0.5 * sum / rows / kInside : 0.0;
-}
-
-/// Variance of halfSquare() of one pair times its rows for sensor noise alone. Correlation reduces the effective number
-/// of rows.
-double varianceByRow(const Noise& n, double dt) {
-    const double keep = math::exp(-2.0 * dt / n.correlationTime),
-                 total = n.white * n.white + n.correlated * n.correlated;
-    return 2.0 * (total * total + 2.0 * math::pow(n.correlated, 4) * keep / (1.0 - keep));
-}
-
-/// Posterior variance of the noise variance.
-double varianceOfSquare(const Noise& n) {
-    double sum = 0.0, squares = 0.0;
-    for (const Noise::PosteriorDraw& p : n.posterior) {
-        const double v = p.white * p.white + p.correlated * p.correlated;
-        sum += v;
-        squares += v * v;
-    }
-    const double many = static_cast<double>(std::max<std::size_t>(1, n.posterior.size()));
-    return std::max(0.0, squares / many - sum * sum / (many * many));
-}
-
-/// Sets runToRun and repeats.
-void fromRepeats(const RecordedData& data, Noise& noise) {
-    constexpr double kBeyond = 3.0; // sigma of the scatter that noise alone produces
-    double sum = 0.0, rows = 0.0;   // over all pairs
-    double open = 0.0, free = 0.0;  // over repeated runs: pairs of one drive share runs
-    for (std::size_t b = 1; b < data.runs.size(); ++b) {
-        double own = 0.0; // rows
-        for (std::size_t a = 0; a < b; ++a) {
-            if (!repeats(data.runs[a], data.runs[b]))
-                continue;
-            std::vector<double> d;
-            for (Eigen::Index k = 0; k < data.runs[a].force.size(); ++k)
-                if (const double x = data.runs[a].force[k] - data.runs[b].force[k]; std::isfinite(x))
-                    d.push_back(x);
-            own = static_cast<double>(d.size());
-            sum += own * halfSquare(std::move(d), noise.total());
-            rows += own;
-        }
-        if (own > 0.0) {
-            ++noise.repeats;
-            open += own * varianceByRow(noise, data.runs[b].spacing());
-            free += own;
-        }
-    }
-    if (rows <= 0.0)
-        return;
-    const double excess = sum / rows - noise.total() * noise.total();
-    if (excess > kBeyond * std::sqrt(open / (free * free) + varianceOfSquare(noise)))
-        noise.runToRun = std::sqrt(excess);
 }
 
 /// Equally spaced quantiles of a posterior on a grid.
@@ -340,7 +263,7 @@ Noise estimateChannel(const RecordedData& recorded, const PeriodicDisturbance& k
     }
     for (const DwellInterval& q : dwells)
         best.dwellSeconds += q.time[q.time.size() - 1] - q.time[0];
-    fromRepeats(estimate.still ? *estimate.still : data, best);
+    scatterOfRepeats(estimate.still ? *estimate.still : data, best);
     char words[280];
     best.source.clear();
     if (!dwells.empty()) {

@@ -1,0 +1,89 @@
+// What runs could show, on a spring whose answers are known.
+
+#include "plugin/identification/diagnosis/visibility.h"
+#include "tests/plugin/identification/diagnosis/toy.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace supercircle::diagnosis;
+
+namespace {
+
+Noise white(double size) {
+    Noise n;
+    n.white = size;
+    return n;
+}
+
+Visibility visible(const RecordedData& data, double noise) {
+    const toy::Spring model(data);
+    SimulationCache cache;
+    Evaluator evaluator(model, data.runs.size(), {}, cache);
+    return visibilityOf(data, white(noise), evaluator);
+}
+
+const VisibleEffect& effect(const Visibility& v, const std::string& label) {
+    const auto at = std::find_if(v.effects.begin(), v.effects.end(), [&](const auto& e) { return e.label == label; });
+    REQUIRE(at != v.effects.end());
+    return *at;
+}
+
+/// One run of one speed, without dwells at its ends.
+RecordedData oneSpeed() {
+    RecordedData data = toy::recordings(2);
+    data.runs.resize(1);
+    RecordedRun& run = data.runs.front();
+    for (Eigen::Index k = 0; k < run.time.size(); ++k)
+        if (run.phase(k) == Phase::Hold)
+            run.force[k] = std::nan("");
+    return data;
+}
+
+} // namespace
+
+TEST_CASE("numbers that runs determine are told with their accuracy", "[diagnosis][visibility]") {
+    const RecordedData data = toy::recordings(2);
+    const Visibility v = visible(data, 1.0); // noise that hides the model error
+    REQUIRE(v.failure.empty());
+    REQUIRE(v.numbers.size() == 2);
+    // Stiffness and friction, with a zero of 5 standard deviations in each run: normal equations by hand, in
+    // half-widths.
+    double kk = 3.0, kf = 0.0, ff = 3.0;
+    for (const RecordedRun& run : data.runs) {
+        Eigen::VectorXd k(run.time.size()), f(run.time.size());
+        for (Eigen::Index i = 0; i < k.size(); ++i) {
+            k[i] = 6.0 * run.displacement[i];
+            const double speed =
+                run.segments[static_cast<std::size_t>(run.segmentOfRow[static_cast<std::size_t>(i)])].speed;
+            f[i] = speed > 0.0 ? 0.05 : speed < 0.0 ? -0.05 : 0.0;
+        }
+        const double zero = 1.0 / 25.0 + static_cast<double>(k.size());
+        kk += k.squaredNorm() - k.sum() * k.sum() / zero;
+        kf += k.dot(f) - k.sum() * f.sum() / zero;
+        ff += f.squaredNorm() - f.sum() * f.sum() / zero;
+    }
+    const double det = kk * ff - kf * kf;
+    CHECK(v.numbers[0].name == "stiffness");
+    CHECK(v.numbers[0].left == Approx(6.0 * std::sqrt(ff / det)).epsilon(0.05)); // rows at reversals do not count
+    CHECK(v.numbers[1].left == Approx(0.05 * std::sqrt(kk / det)).epsilon(0.05));
+    CHECK(visible(data, 0.01).numbers[0].seen());
+    const Visibility noisy = visible(data, 100.0);
+    CHECK_FALSE(noisy.numbers[0].seen());
+    CHECK(noisy.numbers[0].left == Approx(6.0 / std::sqrt(3.0)).epsilon(0.01)); // the interval
+}
+
+TEST_CASE("effects are seen, imitated or too weak", "[diagnosis][visibility]") {
+    // A force per speed is seen with two speeds; with one it is friction.
+    const Visibility three = visible(toy::recordings(2), 0.01);
+    CHECK(effect(three, "dashpot").seen());
+    const Visibility one = visible(oneSpeed(), 0.01);
+    CHECK_FALSE(effect(one, "dashpot").seen());
+    CHECK(effect(one, "dashpot").imitated());
+    CHECK(effect(one, "dashpot").like == "friction");
+    CHECK(effect(one, "drift").own < effect(three, "drift").own);
+    const Visibility noisy = visible(toy::recordings(2), 10.0);
+    CHECK_FALSE(effect(noisy, "dashpot").seen());
+    CHECK_FALSE(effect(noisy, "dashpot").imitated());
+}

@@ -15,6 +15,10 @@ import { chromium as command } from "../bridge/web/browser.mjs";
 import { install } from "../bridge/web/installed.mjs";
 
 const [file, packages, pictures] = process.argv.slice(2);
+if (!fs.existsSync(file)) {
+  console.log(`skipped: there is no ${file}; docs/site/play/build.py makes it`);
+  process.exit(77);
+}
 install(packages);
 const here = createRequire(path.join(path.resolve(packages), "package.json"));
 const { chromium } = here("playwright-core");

@@ -27,6 +27,7 @@ export async function load(source = null) {
     Scene, Shell, Hold, Joint, MouseJoint, Force, Body, Zone,
     checkScene: (scene, file = "scene") => JSON.parse(core.calls.sc_scene_check(json(scene), file)),
     effects: () => JSON.parse(core.calls.sc_effects()),
+    wav: (samples) => core.calls.sc_sound_wav(samples),
     calls: core.calls,
     constants: CONSTANTS,
   };

@@ -47,6 +47,8 @@ export interface Supercircle {
   checkScene(scene: SceneSource, file?: string): Problem[];
   /** The catalogue of effects. */
   effects(): EffectInfo[];
+  /** Samples of World.sound as a WAV file: mono, 48000 a second. */
+  wav(samples: Float32Array): Uint8Array;
   /** The C interface, call by call. */
   readonly calls: Calls;
   readonly constants: Constants;

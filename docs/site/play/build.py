@@ -31,6 +31,9 @@ def main() -> None:
     parser.add_argument("--package", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
+    if not (arguments.package / "supercircle.wasm").exists():
+        print(f"skipped: {arguments.package} has no supercircle.wasm; bridge/web/build.sh makes it")
+        raise SystemExit(77)
     order = re.findall(r"^  (\w+): \{", (HERE / "scenes.js").read_text().split("const scenes = {")[1], re.M)
     texts = {name: (ROOT / f"scenes/play/{name}.json").read_text() for name in order}
     library = (arguments.package / "supercircle.js").read_text()

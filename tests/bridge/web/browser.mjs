@@ -40,6 +40,8 @@ export async function report(files, page, seconds = 300) {
   await ended;
   server.close();
   server.closeAllConnections?.();
-  rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+  try {
+    rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+  } catch { /* its last processes still write there; the folder is a temporary one */ }
   return result;
 }

@@ -135,6 +135,7 @@ test("a scene is played", () => {
   assert.ok(operations.length > 0 && numbers.length === count && numbers instanceof Float32Array && typeof texts === "string");
   const heard = world.sound(0.1);
   assert.ok(heard instanceof Float32Array && heard.length === 4800 && heard.every((x) => Math.abs(x) <= 1));
+  assert.equal(new TextDecoder().decode(sc.wav(heard).subarray(0, 4)), "RIFF");
   played.dispose();
   world.dispose();
 });

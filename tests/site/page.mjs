@@ -134,6 +134,7 @@ async function links() {
       await page.waitForFunction(() => play.state.name === null);
     }
     await page.click("#share");
+    await page.waitForFunction(() => document.getElementById("sharing").open);
     const link = await page.inputValue("#link");
     assert.ok(link.length < 8200 && link.includes(own ? "#z=" : "#s=ramp_and_pins"), link.slice(0, 200));
     const other = await open(wide, link.slice(link.indexOf("#")));
@@ -208,6 +209,7 @@ async function keyboard() {
   await page.keyboard.up(" ");
   await reach("share");
   await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.getElementById("sharing").open);
   assert.ok((await page.inputValue("#link")).includes("phi_bar="));
   await page.keyboard.press("Escape");
   await close(page);

@@ -139,15 +139,16 @@ class Bench:
         self.environment["PATH"] = os.pathsep.join([str(program.parent), str(folder), os.environ.get("PATH", "")])
 
     def execute(self, command):
-        """Output and "" or what went wrong."""
+        """Standard output and "" or what went wrong. Progress goes to stderr: how much of it depends on the machine."""
         try:
             done = subprocess.run(command, cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL, text=True,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=TIME_LIMIT_S)
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=TIME_LIMIT_S)
         except subprocess.TimeoutExpired:
             return "", f"not done after {TIME_LIMIT_S} s"
         except OSError as error:
             return "", str(error)
-        return done.stdout, "" if done.returncode == 0 else f"exit code {done.returncode}:\n{done.stdout.rstrip()}"
+        said = (done.stdout + done.stderr).rstrip()
+        return done.stdout, "" if done.returncode == 0 else f"exit code {done.returncode}:\n{said}"
 
     def compileC(self, block):
         source = self.folder / f"{block.name}.c"

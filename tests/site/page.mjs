@@ -122,6 +122,18 @@ async function wrongText() {
   await close(page);
 }
 
+async function hanging() {
+  const page = await open(wide, "#s=ramp_and_pins");
+  await page.click("#tab-json");
+  await page.fill("#text", "{ }  my own text");
+  const endless = page.evaluate(() => play.ask({ kind: "forward", steps: 1e9 })); // nothing else is heard meanwhile
+  await page.locator("#trouble button").click();
+  assert.equal((await endless).ok, false);
+  await page.waitForFunction(() => play.state.name === "snap" && play.state.frame?.time > 0); // and not the link again
+  assert.equal(await page.inputValue("#text"), "{ }  my own text");
+  await close(page);
+}
+
 const hashOf = (page) => page.evaluate(() => play.ask({ kind: "hash", steps: 90 }).then((a) => a.hash));
 
 async function links() {
@@ -229,7 +241,7 @@ async function reducedMotion() {
   await close(page);
 }
 
-const parts = { selfPlay, phaseDiagram, everyScene, wrongText, links, narrowPage, keyboard, reducedMotion };
+const parts = { selfPlay, phaseDiagram, everyScene, wrongText, hanging, links, narrowPage, keyboard, reducedMotion };
 const wanted = process.env.PARTS ? process.env.PARTS.split(",") : Object.keys(parts);
 let failed = 0;
 for (const name of wanted) {

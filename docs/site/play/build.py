@@ -13,7 +13,8 @@ import zlib
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-SCRIPTS = ["scenes.js", "engine.js", "pad.js", "curve.js", "goals.js", "share.js", "editor.js", "sound.js", "page.js"]
+SCRIPTS = ["scenes.js", "engine.js", "pad.js", "curve.js", "goals.js", "share.js", "editor.js", "sound.js",
+           "state.js", "loading.js", "hands.js", "frames.js", "page.js"]
 
 
 def deflated(data: bytes) -> str:

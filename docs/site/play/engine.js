@@ -50,7 +50,10 @@ class Engine {
   /** Ends what hangs; the page loads something else then. */
   stop() {
     this.worker.terminate();
+    const waiting = [...this.waiting.values()];
     this.waiting.clear();
+    for (const resolve of waiting)
+      resolve({ ok: false, message: "the scene was stopped" });
     this.start();
   }
 }

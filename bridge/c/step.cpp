@@ -71,6 +71,13 @@ void watchZones(World& w) {
     });
 }
 
+/// What zones, pictures and sound keep of a step.
+void watch(World& w) {
+    watchZones(w);
+    w.snaps.frame(w.shells);
+    w.sound.frame(w.shells);
+}
+
 void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     if (!w.own)
         refuse(SC_REFUSED, "this world belongs to a host: call sc_world_pre_step, step the b2World by the frame's "
@@ -85,9 +92,7 @@ void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
         w.attachment->stepped(report.advanced);
     }
     done(scene != nullptr ? scene->post_step() : w.shells.post_step(), SC_FAILED);
-    watchZones(w);
-    w.snaps.frame(w.shells);
-    w.sound.frame(w.shells);
+    watch(w);
     if (!report.failure.empty())
         refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
 }
@@ -109,9 +114,7 @@ void postStep(World& w) {
         refuse(SC_REFUSED, "this world has bodies of its own: sc_world_step and sc_scene_step advance both");
     w.requireUnlocked();
     done(w.shells.post_step(), SC_FAILED);
-    watchZones(w);
-    w.snaps.frame(w.shells);
-    w.sound.frame(w.shells);
+    watch(w);
 }
 
 } // namespace supercircle::c

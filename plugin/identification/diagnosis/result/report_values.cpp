@@ -129,33 +129,28 @@ std::vector<double> list(const Eigen::Ref<const Eigen::VectorXd>& v) {
 std::vector<MarkerCurve> markerCurves(const Likelihood& likelihood, std::size_t r, const FitResult& nominal,
                                       const FitResult* best) {
     const RecordedRun& run = likelihood.data().runs[r];
-    const Index frames = run.markerTime.size();
+    const Index frames = run.markerTime.size(), n = run.force.size();
     std::vector<MarkerCurve> out;
+    const auto add = [&](MarkerCurve m, Index first, Index count) { // `first` of the run's rows
+        m.residual = list(nominal.residual.segment(likelihood.start(r) + first, count));
+        if (best != nullptr)
+            m.residualImproved = list(best->residual.segment(likelihood.start(r) + first, count));
+        for (Index k = 0; k < count; ++k)
+            m.counts.push_back(likelihood.counts(r, first + k));
+        out.push_back(std::move(m));
+    };
     for (Index c = 0; c < 2 * static_cast<Index>(run.markerCount); ++c) {
         MarkerCurve m;
         m.channel = likelihood.data().markerChannel(c);
         if (!likelihood.data().free)
             m.arcFraction = likelihood.data().arcFraction[static_cast<std::size_t>(c / 2)];
-        const Index first = run.force.size() + c * frames; // of the run's rows
-        m.residual = list(nominal.residual.segment(likelihood.start(r) + first, frames));
-        if (best != nullptr)
-            m.residualImproved = list(best->residual.segment(likelihood.start(r) + first, frames));
-        for (Index k = 0; k < frames; ++k)
-            m.counts.push_back(likelihood.counts(r, first + k));
-        out.push_back(std::move(m));
+        add(std::move(m), n + c * frames, frames);
     }
-    const Index n = run.force.size();
     for (std::size_t c = 0; c < run.furtherCount; ++c) {
         MarkerCurve m;
         m.channel = likelihood.data().further[c].name;
         m.ofMarker = false;
-        const Index first = n + run.markers.size() + static_cast<Index>(c) * n;
-        m.residual = list(nominal.residual.segment(likelihood.start(r) + first, n));
-        if (best != nullptr)
-            m.residualImproved = list(best->residual.segment(likelihood.start(r) + first, n));
-        for (Index k = 0; k < n; ++k)
-            m.counts.push_back(likelihood.counts(r, first + k));
-        out.push_back(std::move(m));
+        add(std::move(m), n + run.markers.size() + static_cast<Index>(c) * n, n);
     }
     return out;
 }

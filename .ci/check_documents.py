@@ -2,7 +2,8 @@
 """Checks how the documents and the sources are written (docs/contributing.md, docs/glossary.csv).
 
     check_documents.py [--table] [FILES...]   documents: sentences, paragraphs, links, diary words, glossary
-    check_documents.py --code [FILES...]      sources: glossary words in names and comments, dates and seeds in comments
+    check_documents.py --code [FILES...]      sources: glossary words in names and comments, dates and seeds in comments,
+                                              long comments at the top of a file
 
 Each offence is one line `file:line: what`. Exit code 0: none, 1: at least one, 2: wrong usage.
 Counting rule: code blocks, tables, headings, images and HTML are left out; inline code and inline formulas count as
@@ -23,6 +24,7 @@ MAX_PARAGRAPH = 120
 MAX_PARENTHESIS = 6
 MAX_TOTAL = 40000
 MAX_LINES_A_VERSION = 30
+MAX_HEADER_COMMENT = 12
 
 CODE_FOLDERS = ["plugin", "supercircle", "bridge", "examples", "scenes", "tests", ".ci"]
 CODE_SUFFIXES = {".cpp", ".h", ".hpp", ".json", ".cmake", ".sh", ".py"}
@@ -414,6 +416,13 @@ def commentsOf(text, suffix):
     return "".join(out).split("\n")
 
 
+def headerComment(text):
+    """The number of `//` lines with which a C++ file explains itself."""
+    lines = text.split("\n")
+    first = 1 if lines[0] == "#pragma once" else 0
+    return next(i for i, line in enumerate(lines[first:] + [""]) if not line.startswith("//"))
+
+
 def checkCode(paths, glossary):
     offences = []
     for path in paths:
@@ -422,6 +431,9 @@ def checkCode(paths, glossary):
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         offences += [f"{name}:1: file name: {what}" for what in glossary.find(name, lambda kinds: "file" in kinds)]
+        if path.suffix in {".cpp", ".h", ".hpp"} and headerComment(text) > MAX_HEADER_COMMENT:
+            offences.append(f"{name}:1: comment of {headerComment(text)} lines at the top, at most {MAX_HEADER_COMMENT}: "
+                            "the rest belongs to docs/theory or docs/decisions")
         comments = commentsOf(text, path.suffix)
         for number, line in enumerate(text.split("\n"), start=1):
             comment = comments[number - 1] if number <= len(comments) else ""

@@ -4,17 +4,9 @@
 //   (kinetic + bending + gravity) - added = work - friction - impact - numerical - positionCorrection - effects -
 //   damping - toBodies + residual
 //
-// How a step is split (all from the implicit step itself, nothing is inferred from the residual). With v the new
-// velocity, u and u_old the new and old material velocities, the discrete balance multiplied by v gives exactly
-//   dKE + 1/2 |u - u_old|^2 = -dE_b - 1/2 B sum l dkappa^2 - dE_g - (gravity curvature) + work + sum r . u_rel.
-// - friction: -r_t u_t, never negative;
-// - positionCorrection: -r_n u_n; negative where overlap is pushed out, positive where a speculative gap closes;
-// - injected: the negative part of it, by cause. Its bound is in gap_closing.h;
-// - impact: the part of 1/2 |u - u_old|^2 that contact impulses caused, 1/2 r . (u_rel - u_rel,old), the loss of a
-//   perfectly plastic impact (restitution 0), kept within [0, that square];
-// - numerical: the rest of the square, plus the two second-order terms of implicit bending and gravity.
-// Impact is physics (Moreau's law), numerical dissipation and push-out are artefacts and must stay small beside
-// friction.
+// Each term comes from the implicit step itself; nothing is inferred from the residual. Equations of the terms:
+// docs/theory/time_step.md. Impact is physics (Moreau's law, restitution 0). Numerical dissipation and push-out are
+// artefacts and must stay small beside friction.
 
 #include <algorithm>
 

@@ -1,31 +1,12 @@
 #pragma once
 // One implicit step of the shells, and the controller that chooses its size.
 //
-// Scheme (Moreau time stepping, physics section 2). Unknowns: velocities v and impulses r. With J the Jacobian at the
-// linearisation point and u the material velocities the rod has now,
+// Scheme (Moreau time stepping). Unknowns: velocities v and impulses r. With J the Jacobian at the linearisation point
+// and u the material velocities the rod has now,
 //     (M + dt^2 K) v = int lambda J^T u + dt F(q) + H^T r + (holds),        q_new = q + dt v.
-// Bending is linear in q and enters exactly; M, J and the contact rows H are re-linearised at q_new as long as a loaded
-// contact's gap is off ("evaluate" to "solve" repeat). What was tried and did not work:
-// - multiplying v by M_old^-1 M (a plain velocity form with a changing mass matrix) explodes in snaps; projecting the
-//   material velocities never lets kinetic energy grow;
-// - keeping u at its old direction while the rod turns damps free spin by (omega dt)^2 / 2 a step; u is therefore
-//   carried along with the rod's mean rotation, which keeps linear momentum and kinetic energy and makes rigid spin
-//   exact;
-// - linearising at the start of the step lets sliding contacts sink in by (v dt)^2 / 2R, and pushing them out again
-//   injects energy; in the middle of the step the gap is exact to third order;
-// - a contact force that follows the extremal point of a nearly conformal pair from step to step flutters (see
-//   Rolling);
-// - a separate static solver would need its own friction and its own way back into dynamics at every snap; the implicit
-//   step with dt far above all periods is the same equilibrium, and changing down is just a smaller dt. What large
-//   steps need is the stiffness of the contact forces in the matrix (contact_stiffness.h);
-// - putting rods at rest to sleep within a step's controller while others fall was tried and removed: an impact wakes
-//   the whole pile through its contacts within a few steps, each time with cold contact problems (a 100-shell drop took
-//   twice as long). What sleeps now (sleep.h) are whole islands that have not drifted for half a second, at the ends of
-//   frames, with their forces kept;
-// - a theta scheme between 1/2 and 1 keeps vibrations alive that cost more, smaller steps, and closes the balance no
-//   better;
-// - controlling the step by speed alone is far too careful in slow sliding and too bold in snaps: the local error
-//   1/2 dt |u_new - u_old| of backward Euler, the motion of touching rods, and the true gaps after the step decide.
+// Bending is linear in q and enters exactly. M, J and the contact rows H are linearised again at q_new as long as the
+// gap of a loaded contact is off ("evaluate" to "solve" repeat). Equations: docs/theory/time_step.md. Why it is so and
+// what was tried: decisions 0041 to 0046 and 0056.
 
 #include "supercircle/step/world.h"
 #include "supercircle/support/parallel.h"

@@ -1,19 +1,12 @@
 #pragma once
 // What contact forces do when the rod under them turns within the step (private to step/).
 //
-// The rows of a step are frozen at its predicted middle; the forces on them are not small: in a pile under load they
-// bend the shells as far as the shells' own elasticity holds against. Freezing both is an explicit treatment of the
-// geometric stiffness, and where that exceeds about half the bending stiffness the step rings with a period of two
-// steps, at any step size in a quasi-static run. Measured on thirty shells (mean of perturbed replicates, local error
-// .01 h): push-out -3 % of friction and 33 000 steps a cycle without the axial term, -1.3 % and 23 000 with it;
-// another linearisation wherever a loaded gap is off by h / 1000 brings it to .1 % and 15 000.
-//
-// Both terms are exact to second order and vanish where the step turns out as predicted, so they cost no accuracy:
+// Forces frozen on rows of the step's middle are an explicit geometric stiffness. Above about half the bending
+// stiffness that oscillates with a period of two steps. Two terms of second order make it implicit (decisions 0043 and
+// 0055):
 // - Rolling (work.h): the contact point of two smooth surfaces moves along them;
-// - axial force: with theta linear in q, the geometric stiffness of point forces on a rod is exactly
-//       -sum f . d^2 r / dq^2 = int N(s) (d theta / dq)^T (d theta / dq) ds,
-//   N the axial force (tension positive). Only the stretches in tension go into A, which stays positive definite:
-//   compression destabilises the rod physically and needs no implicit treatment to be followed.
+// - axial force N (tension positive): -sum f . d^2 r / dq^2 = int N(s) (d theta / dq)^T (d theta / dq) ds, since theta
+//   is linear in q. Only stretches in tension go into A, which stays positive definite.
 
 #include "supercircle/step/contacts/contact_rows.h"
 

@@ -1,17 +1,14 @@
 #pragma once
 // The motion of a rod that touches nothing, to second order, in steps of its own within the step (private to step/).
 //
-// Scheme: SDIRK2, two stages with the factor gamma = 1 - 1/sqrt(2), of second order and L-stable (R. Alexander, SIAM J.
-// Numer. Anal. 14, 1006, 1977). Each stage is an implicit Euler step of gamma dt from an extrapolated start:
-//     M(q) v = P + gamma dt (dT/dq + F(q) - D v) + C^T (hold impulses),   C v = velocity of the holds,   q = Q + gamma
-//     dt v.
+// SDIRK2, two stages with the factor gamma = 1 - 1/sqrt(2), L-stable (R. Alexander, SIAM J. Numer. Anal. 14, 1006,
+// 1977). Each stage is an implicit Euler step of gamma dt from an extrapolated start:
+//     M(q) v = P + gamma dt (dT/dq + F(q) - D v) + C^T (hold impulses),
+//     C v = velocity of the holds,   q = Q + gamma dt v.
 // Unknowns are q and the generalised momentum p = int lambda J^T u in the inertial frame. With the centre of mass in
-// place of the middle, translation and spin of a free rod have no force in any stage: momentum, angular momentum and
-// rigid motion are exact, and what spins feels the centrifugal force.
-//
-// Its own steps are chosen by the embedded estimate gamma dt (k2 - k1), in the norm of energy, against the energy of
-// vibration. That resolves the modes that hold energy; all others decay as an L-stable scheme lets them. Rods that
-// joints tie move as one group (docs/decisions/0189).
+// place of the middle, momentum, angular momentum and rigid motion are exact. The steps follow the embedded estimate
+// gamma dt (k2 - k1) in the norm of energy, against the energy of vibration. Rods that joints tie move as one group
+// (decisions 0183 and 0189).
 
 #include "supercircle/step/contacts/contact_rows.h"
 #include "supercircle/step/rods/rod_system.h"

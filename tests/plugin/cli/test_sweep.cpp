@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <filesystem>
 #include <random>
 #include <set>
 
@@ -38,6 +39,9 @@ std::string tables(const std::string& out) {
 
 /// Number of missing runs before the last stored one: those that were in progress.
 std::size_t lost(const std::string& file, const std::string& out, std::size_t& kept) {
+    kept = 0;
+    if (!std::filesystem::exists(out)) // killed before it began
+        return 0;
     std::vector<scene::Problem> problems;
     const auto sweep = sweep::load(file, problems);
     REQUIRE(sweep);

@@ -45,12 +45,14 @@ target_link_libraries(sc_ship_supercircle_static PRIVATE TBB::tbb Threads::Threa
 sc_ship(box2d OUTPUT supercircle_box2d FOLDERS sc_box2d LINKS sc_ship_supercircle box2d::box2d
         STATIC_LINKS sc_ship_supercircle_static box2d::box2d)
 
-install(TARGETS sc_ship_supercircle EXPORT supercircleTargets)
-install(TARGETS sc_ship_box2d EXPORT supercircleBox2dTargets)
-install(TARGETS sc_ship_supercircle_static sc_ship_box2d_static EXPORT supercircleStaticTargets)
+# What a C++ program links, alone: `cmake --build build --target libraries`, `cmake --install build --component libraries`.
+add_custom_target(libraries DEPENDS sc_ship_supercircle sc_ship_box2d sc_ship_supercircle_static sc_ship_box2d_static)
+install(TARGETS sc_ship_supercircle EXPORT supercircleTargets COMPONENT libraries)
+install(TARGETS sc_ship_box2d EXPORT supercircleBox2dTargets COMPONENT libraries)
+install(TARGETS sc_ship_supercircle_static sc_ship_box2d_static EXPORT supercircleStaticTargets COMPONENT libraries)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/supercircle)
 foreach(export supercircleTargets supercircleBox2dTargets supercircleStaticTargets)
-  install(EXPORT ${export} NAMESPACE supercircle:: DESTINATION ${package_dir})
+  install(EXPORT ${export} NAMESPACE supercircle:: DESTINATION ${package_dir} COMPONENT libraries)
 endforeach()
 
 set(SCENES_DIR ${CMAKE_INSTALL_DATADIR}/supercircle/scenes)
@@ -58,24 +60,24 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/supercircleConfig.cmake.
   ${PROJECT_BINARY_DIR}/supercircleConfig.cmake INSTALL_DESTINATION ${package_dir} PATH_VARS SCENES_DIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/supercircleConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/supercircleConfig.cmake ${PROJECT_BINARY_DIR}/supercircleConfigVersion.cmake
-  DESTINATION ${package_dir})
+  DESTINATION ${package_dir} COMPONENT libraries)
 file(RELATIVE_PATH up /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix) # the package may be moved: no absolute paths
 string(REGEX REPLACE "/$" "" PC_PREFIX "\${pcfiledir}/${up}")
 foreach(pc supercircle supercircle-box2d)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/${pc}.pc.in ${PROJECT_BINARY_DIR}/${pc}.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/${pc}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  install(FILES ${PROJECT_BINARY_DIR}/${pc}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libraries)
 endforeach()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugin/api/include/ ${PROJECT_SOURCE_DIR}/bridge/box2d/include/
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp") # Box2D 3: from the source tree only
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libraries FILES_MATCHING PATTERN "*.hpp") # Box2D 3: from the source tree only
 # The core's headers, for users of Shells::world(); they need Eigen 3.4.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/supercircle/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/supercircle
-  FILES_MATCHING PATTERN "*.h")
+  COMPONENT libraries FILES_MATCHING PATTERN "*.h")
 install(TARGETS supercircle supercircle-lab supercircle-identify supercircle-view) # the benchmarks need the source tree
 # The Python package, where Debian's Python looks for it if the prefix is /usr; it finds the library by the system's loader.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/bridge/python/src/supercircle DESTINATION lib/python3/dist-packages
   FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${SCENES_DIR} FILES_MATCHING PATTERN "*.json")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes/ DESTINATION ${SCENES_DIR} COMPONENT libraries FILES_MATCHING PATTERN "*.json")
 install(FILES ${PROJECT_SOURCE_DIR}/plugin/scene/scene.schema.json
   ${PROJECT_SOURCE_DIR}/plugin/lab/sweep/sweep.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/supercircle)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/data/reference/

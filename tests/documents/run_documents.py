@@ -10,6 +10,7 @@ An HTML comment before a fenced block says what the block is:
     <!-- test: python NAME -->                Python, run with the package of the source tree; its output is called NAME
     <!-- test: file PATH -->                  written to PATH in the working folder
     <!-- test: run NAME -->                   sh: executed by bash; its output is called NAME
+    <!-- test: path PROGRAM -->               sh: puts PROGRAM on the search path, on which it was not
     <!-- test: output NAME [tolerance T] -->  text: what NAME prints (a program without a run block is started)
 
 The working folder is empty but for links to the source tree; blocks of one document run in their order.
@@ -28,7 +29,7 @@ import tempfile
 
 TIME_LIMIT_S = 120
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w])")
-MARK = re.compile(r"<!--\s*test:\s*(program|python|file|run|output)\s+(\S+)(?:\s+tolerance\s+(\S+))?\s*-->")
+MARK = re.compile(r"<!--\s*test:\s*(program|python|file|run|path|output)\s+(\S+)(?:\s+tolerance\s+(\S+))?\s*-->")
 
 
 class Block:
@@ -133,6 +134,7 @@ class Bench:
         for name in ("scenes", "examples", "docs", "tests"):
             if (options.source / name).exists():
                 (folder / name).symlink_to(options.source / name)
+        (folder / "build").symlink_to(options.build)
         program = find(options.build, "supercircle")
         self.libraries = [find(options.build, f"lib{name}.so") for name in ("supercircle_box2d", "supercircle")]
         self.environment = dict(os.environ)
@@ -199,6 +201,9 @@ class Bench:
             self.outputs[block.name], why = self.execute(["/usr/bin/python3", f"{block.name}.py"])
         elif block.kind == "run":
             self.outputs[block.name], why = self.execute(["bash", "-e", "-o", "pipefail", "-c", block.text])
+        elif block.kind == "path":
+            script = f"PATH=/usr/bin:/bin\n{block.text}\ncommand -v {block.name} > /dev/null"
+            why = "" if self.execute(["bash", "-e", "-c", script])[1] == "" else f"{block.name} is not found after this"
         elif block.kind == "output":
             text, why = self.output(block)
             if not why:

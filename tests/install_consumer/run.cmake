@@ -9,6 +9,13 @@ function(step what)
 endfunction()
 
 file(REMOVE_RECURSE ${WORK})
+# The libraries alone, as the tutorial installs them: a program finds and links them.
+step("installing the libraries" ${CMAKE_COMMAND} --install ${BUILD} --component libraries --prefix ${WORK}/libraries)
+step("configuring the tutorial's program" ${CMAKE_COMMAND} -S ${SOURCE}/../../examples/embed/hello -B ${WORK}/hello -G ${GENERATOR}
+     -DCMAKE_PREFIX_PATH=${WORK}/libraries -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_CXX_FLAGS=${FLAGS})
+step("building it" ${CMAKE_COMMAND} --build ${WORK}/hello)
+step("running it" ${WORK}/hello/hello)
+
 step("installing" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 step("configuring" ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS=${FLAGS}

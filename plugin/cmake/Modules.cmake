@@ -28,8 +28,9 @@ function(sc_precompiled name)
   target_compile_options(${name} PRIVATE ${ARGN})
   target_include_directories(${name} SYSTEM PRIVATE ${EIGEN3_INCLUDE_DIRS})
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  target_precompile_headers(${name} PRIVATE <Eigen/Core> <Eigen/Cholesky> <algorithm> <array> <cmath> <cstdint>
-    <cstdio> <functional> <limits> <map> <memory> <optional> <string> <string_view> <utility> <vector>)
+  target_precompile_headers(${name} PRIVATE <Eigen/Core> <Eigen/Cholesky> <algorithm> <array> <atomic> <chrono> <cmath> <cstdint>
+    <cstdio> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <sstream>
+    <string> <string_view> <tuple> <utility> <variant> <vector>)
 endfunction()
 if(SUPERCIRCLE_PRECOMPILE)
   sc_precompiled(sc_precompiled_libraries)
@@ -53,10 +54,11 @@ function(sc_program_sources target)
   endif()
 endfunction()
 
-# sc_module(NAME FOLDER [FLAT] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER, with FLAT of those in the folder
-# itself. LINKS are visible to whoever links it, PRIVATE libraries are not.
+# sc_module(NAME FOLDER [FLAT] [COLD] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER, with FLAT of those in the
+# folder itself. LINKS are visible to whoever links it, PRIVATE libraries are not. COLD: its time is spent in the modules that it
+# calls, so it is optimised as programs are.
 function(sc_module name folder)
-  cmake_parse_arguments(ARG "FLAT" "" "LINKS;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "FLAT;COLD" "" "LINKS;PRIVATE" ${ARGN})
   if(ARG_FLAT)
     sc_glob(sources FLAT ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   else()
@@ -71,7 +73,9 @@ function(sc_module name folder)
     set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   endif()
   set_property(TARGET ${name} PROPERTY SC_FILES ${sources} ${headers})
-  if(SUPERCIRCLE_PRECOMPILE)
+  if(ARG_COLD AND NOT EMSCRIPTEN) # the web build has its own levels
+    sc_program_sources(${name})
+  elseif(SUPERCIRCLE_PRECOMPILE)
     target_precompile_headers(${name} REUSE_FROM sc_precompiled_libraries)
   endif()
 endfunction()

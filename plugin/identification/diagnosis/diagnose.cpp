@@ -2,9 +2,9 @@
 
 #include "plugin/identification/diagnosis/estimation/baseline_fit.h"
 #include "plugin/identification/diagnosis/estimation/homogeneity.h"
-#include "plugin/identification/diagnosis/estimation/profile.h"
 #include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/next_experiment/competing_hypotheses.h"
+#include "plugin/identification/diagnosis/result/effect_intervals.h"
 #include "plugin/identification/diagnosis/result/report_values.h"
 #include "plugin/identification/diagnosis/result/specimens.h"
 #include "plugin/identification/diagnosis/result/verdict.h"
@@ -145,10 +145,7 @@ private:
     void screenEffects();
     void summarise();
     void tryHypotheses(bool first);
-    std::vector<Interval> profiled(FittedHypothesis& t, Eigen::MatrixXd& careful);
     [[nodiscard]] ParameterIntervals intervalsOf(const Entry& entry);
-    ParameterIntervals carefulIntervals(const Entry& entry, FittedHypothesis& hypotheses);
-    [[nodiscard]] std::vector<Interval> linearOf(const FitResult& f, const Eigen::MatrixXd& jacobian) const;
     void conclude();
     void computeWeights(ModelWeights& w);
     /// The residual of a hypothesis, localised as the baseline residual is.
@@ -285,29 +282,7 @@ void Procedure::screenEffects() {
 void Procedure::summarise() {
     baselineScore_ = predictiveScoreOf(evaluator_, *likelihood_, grouping_, baseline_, settings_);
     out_.homogeneity = homogeneityOf(*likelihood_, baseline_);
-    out_.screening.clear();
-    std::map<std::string, ScreenedEffect> byLabel;
-    std::vector<std::string> order;
-    for (const ScreenedProbe& s : screened_) {
-        const std::string& label = candidates()[s.candidate].label;
-        const auto [at, fresh] = byLabel.emplace(label, ScreenedEffect{});
-        ScreenedEffect& effect = at->second;
-        if (fresh) {
-            order.push_back(label);
-            effect.label = label;
-            effect.detectable = std::numeric_limits<double>::infinity();
-        }
-        if (!s.simulated || s.norm <= 1e-6)
-            continue;
-        if (const double visible = s.detectable(out_.misfit.critical); visible < effect.detectable) {
-            effect.detectable = visible;
-            effect.absorbedFraction = 1.0 - std::min(1.0, s.independentNorm / s.norm);
-            effect.signatureNorm = s.norm / s.relativeAmplitude;
-        }
-        effect.gain = std::max(effect.gain, s.gain);
-    }
-    for (const std::string& label : order)
-        out_.screening.push_back(byLabel[label]);
+    out_.screening = presentScreening(candidates(), screened_, out_.misfit.critical);
 }
 
 const Localisation& Procedure::residualOf(std::size_t model) {
@@ -370,56 +345,6 @@ void Procedure::computeWeights(ModelWeights& w) {
         removeOutsideCatalogue(w);
 }
 
-/// Profile-likelihood intervals of a hypothesis. A better fit found by a profile or at another position on the arc
-/// replaces it.
-/// @param careful its derivatives, output
-std::vector<Interval> Procedure::profiled(FittedHypothesis& t, Eigen::MatrixXd& careful) {
-    constexpr int kMoves = 2;
-    constexpr double kSmallestGain = 1.0; // delta chi-squared that justifies a move to another position
-    std::vector<FitResult> elsewhere;     // at other positions on the arc
-    std::vector<Interval> intervals;
-    FitResult& f = t.fit;
-    int moves = 0;
-    for (;; ++moves) {
-        const bool mayMove = moves < kMoves && !evaluator_.stopped();
-        const Variables here(evaluator_.model(), f.point);
-        careful = differentiateRobustly(evaluator_, *likelihood_, here, f.x, 0.2);
-        const Eigen::VectorXd dispersions =
-            dispersionsOf(*likelihood_, here, f.residual, careful, chiSquaredPerReading(*likelihood_, f));
-        Profiled p = profileIntervals(evaluator_, *likelihood_, f, careful, dispersions, mayMove);
-        if (p.better && !evaluator_.stopped()) {
-            FitResult further = fit(evaluator_, *likelihood_, here.at(p.better->x));
-            if (!further.failure.empty() || further.chiSquared > p.better->chiSquared)
-                further = std::move(*p.better);
-            further.point = here.at(further.x);
-            f = std::move(further);
-            continue;
-        }
-        if (elsewhere.empty())
-            elsewhere = otherLocalMinima(evaluator_, *likelihood_, f, screened_, baseline_.chiSquared);
-        const auto lowest =
-            std::min_element(elsewhere.begin(), elsewhere.end(),
-                             [](const FitResult& a, const FitResult& b) { return a.chiSquared < b.chiSquared; });
-        if (mayMove && lowest != elsewhere.end() && lowest->chiSquared < f.chiSquared - kSmallestGain) {
-            std::swap(f, *lowest);
-            continue;
-        }
-        intervals = std::move(p.intervals);
-        if (const FitResult* image = widenByLocalMinima(elsewhere, evaluator_.model(), f, dispersions, intervals))
-            t.mirrorImage = *image;
-        break;
-    }
-    if (moves > 0 && !evaluator_.stopped()) // held-out errors belong to the fit that is shown
-        t.held = usable(predictiveScoreOf(evaluator_, *likelihood_, grouping_, f, settings_), baselineScore_);
-    return intervals;
-}
-
-std::vector<Interval> Procedure::linearOf(const FitResult& f, const Eigen::MatrixXd& jacobian) const {
-    const Variables v(evaluator_.model(), f.point);
-    return linearIntervals(v, f, jacobian,
-                           dispersionsOf(*likelihood_, v, f.residual, jacobian, chiSquaredPerReading(*likelihood_, f)));
-}
-
 /// Intervals by cost: the first effect and probable ones get careful derivatives, those above 0.3 with a significant
 /// misfit get profiles.
 ParameterIntervals Procedure::intervalsOf(const Entry& entry) {
@@ -427,37 +352,20 @@ ParameterIntervals Procedure::intervalsOf(const Entry& entry) {
     const FitResult& f = hypotheses.fit;
     const bool worth = &entry == &entries_.front() || entry.probability >= 0.05;
     if (!worth || evaluator_.stopped())
-        return {linearOf(f, f.jacobian), {}};
+        return {linearIntervals(*likelihood_, evaluator_.model(), f, f.jacobian), {}};
     ParameterIntervals out;
     const FittedHypothesis kept = hypotheses;
-    const bool careful = evaluator_.stop().attempt([&] { out = carefulIntervals(entry, hypotheses); });
+    const bool careful = evaluator_.stop().attempt([&] {
+        const IntervalSearch input{evaluator_, *likelihood_,   grouping_,           settings_,
+                                   screened_,  baselineScore_, baseline_.chiSquared};
+        const bool profiles = entry.probability >= 0.3 && out_.misfit.p <= kFamilyWise;
+        out = carefulIntervals(input, profiles, hypotheses);
+    });
     if (careful)
         return out;
     hypotheses = kept;
     out_.notTried.push_back("profiles of " + plainWords(entry.label));
-    return {linearOf(f, f.jacobian), {}};
-}
-
-/// By careful derivatives, or profiles.
-ParameterIntervals Procedure::carefulIntervals(const Entry& entry, FittedHypothesis& hypotheses) {
-    const FitResult& f = hypotheses.fit;
-    ParameterIntervals out;
-    Eigen::MatrixXd careful;
-    if (entry.probability < 0.3 || out_.misfit.p > kFamilyWise) {
-        careful = differentiateRobustly(evaluator_, *likelihood_, Variables(evaluator_.model(), f.point), f.x, 0.2);
-        out.intervals = linearOf(f, careful);
-    } else {
-        out.intervals = profiled(hypotheses, careful);
-    }
-    const Variables v(evaluator_.model(), f.point);
-    Index first = v.nominal;
-    for (const std::size_t c : hypotheses.candidates) {
-        out.derived.emplace_back();
-        for (const DerivedQuantity& p : candidates()[c].derived)
-            out.derived.back().push_back(derivedInterval(evaluator_, *likelihood_, f, careful, p, first));
-        first += static_cast<Index>(candidates()[c].parameters.size());
-    }
-    return out;
+    return {linearIntervals(*likelihood_, evaluator_.model(), f, f.jacobian), {}};
 }
 
 void Procedure::conclude() {
@@ -532,14 +440,7 @@ void Procedure::summariseEvidence(const ModelWeights& w, Evidence& e) {
                      shown.nonlinear};
     e.forecastHolds = std::all_of(out_.forecast.runs.begin(), out_.forecast.runs.end(),
                                   [](const RunForecast& run) { return run.holds; });
-    double relevant = 0.0,
-           undetectable = 0.0; // an effect counts if a relevant amplitude changes the readings by 5 sigma
-    for (const ScreenedEffect& s : out_.screening)
-        if (s.signatureNorm > 5.0) {
-            relevant += 1.0;
-            undetectable += s.detectable > 1.0 ? 1.0 : 0.0;
-        }
-    e.undetectable = relevant > 0.0 ? undetectable / relevant : 1.0;
+    e.undetectable = undetectableShare(out_.screening);
 }
 
 void Procedure::proposeNextExperiment() {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 namespace supercircle::diagnosis {
 
@@ -64,6 +66,29 @@ FittedEffect presentEffect(const Model& model, const Likelihood& likelihood, con
         first += n;
     }
     return e;
+}
+
+std::vector<ScreenedEffect> presentScreening(const std::vector<CandidateEffect>& candidates,
+                                             const std::vector<ScreenedProbe>& screened, double critical) {
+    std::vector<ScreenedEffect> all;
+    for (const ScreenedProbe& s : screened) {
+        const std::string& label = candidates[s.candidate].label;
+        auto at = std::find_if(all.begin(), all.end(), [&](const ScreenedEffect& e) { return e.label == label; });
+        if (at == all.end()) {
+            at = all.insert(all.end(), ScreenedEffect{});
+            at->label = label;
+            at->detectable = std::numeric_limits<double>::infinity();
+        }
+        if (!s.simulated || s.norm <= 1e-6)
+            continue;
+        if (const double visible = s.detectable(critical); visible < at->detectable) {
+            at->detectable = visible;
+            at->absorbedFraction = 1.0 - std::min(1.0, s.independentNorm / s.norm);
+            at->signatureNorm = s.norm / s.relativeAmplitude;
+        }
+        at->gain = std::max(at->gain, s.gain);
+    }
+    return all;
 }
 
 std::vector<NominalResult> presentNominal(const Model& model, const FitResult& nominal) {

@@ -3,6 +3,7 @@
 
 #include "plugin/identification/diagnosis/estimation/profile.h"
 #include "plugin/identification/diagnosis/result.h"
+#include "plugin/identification/diagnosis/screening/screen.h"
 #include "plugin/identification/diagnosis/selection/fitted_hypothesis.h"
 
 #include <vector>
@@ -16,6 +17,11 @@ namespace supercircle::diagnosis {
 FittedEffect presentEffect(const Model& model, const Likelihood& likelihood, const Grouping& grouping,
                            const FittedHypothesis& hypotheses, std::size_t shown, const ParameterIntervals& intervals,
                            double baselineChiSquared);
+
+/// The best of the probes of each label, in the order of the catalogue.
+/// @param critical value of the localisation
+std::vector<ScreenedEffect> presentScreening(const std::vector<CandidateEffect>& candidates,
+                                             const std::vector<ScreenedProbe>& screened, double critical);
 
 /// Stated and fitted nominal parameters.
 std::vector<NominalResult> presentNominal(const Model& model, const FitResult& nominal);

@@ -174,6 +174,17 @@ double screeningP(const ScreenedEffect& effect) {
     return math::erfc(std::sqrt(0.5 * std::max(0.0, effect.gain)));
 }
 
+double undetectableShare(const std::vector<ScreenedEffect>& screening) {
+    constexpr double kNoticeable = 5.0; // sigma
+    double relevant = 0.0, undetectable = 0.0;
+    for (const ScreenedEffect& s : screening)
+        if (s.signatureNorm > kNoticeable) {
+            relevant += 1.0;
+            undetectable += s.detectable > 1.0 ? 1.0 : 0.0;
+        }
+    return relevant > 0.0 ? undetectable / relevant : 1.0;
+}
+
 std::string verdictOf(const Evidence& e) {
     // The model weights contain the family-wise p-value, held-out gains and the residual of the best hypothesis.
     if (!(e.adequate >= 0.0 && e.outsideCatalogue >= 0.0)) // numerical failure

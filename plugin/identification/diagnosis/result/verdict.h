@@ -18,6 +18,10 @@ struct Evidence {
     bool forecastHolds = true; ///< of the shown hypothesis, in all free runs
 };
 
+/// Fraction of the effects with a noticeable signature at a relevant amplitude that these runs would not detect there;
+/// 1 if there is none.
+double undetectableShare(const std::vector<ScreenedEffect>& screening);
+
 /// One of the five verdicts of diagnosis.json.
 std::string verdictOf(const Evidence& evidence);
 

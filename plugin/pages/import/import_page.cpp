@@ -124,7 +124,7 @@ std::string exact(double value) {
 }
 
 /// Text between single quotes for a shell.
-std::string quoted(const std::string& text) {
+std::string shellQuoted(const std::string& text) {
     std::string out = "'";
     for (const char c : text)
         out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -146,7 +146,7 @@ std::string importPage(const importing::Imported& all, const std::string& comman
         }
         const bool marked =
             std::any_of(t.headings.begin(), t.headings.end(), [](const auto& h) { return !h.marker.empty(); });
-        again += marked ? "" : " --columns " + quoted(columns);
+        again += marked ? "" : " --columns " + shellQuoted(columns);
         again += std::string(" --displacement ") + (s.displacementTurned ? "negative" : "positive");
         if (s.find(Quantity::Force) != nullptr)
             again += std::string(" --force ") + (s.forceTurned ? "negative" : "positive") + " --force-zero " +

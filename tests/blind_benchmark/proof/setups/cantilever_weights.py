@@ -1,6 +1,7 @@
 """A clamped strip with weights at its end, loaded and unloaded. Scene `cantilever_weights`.
 
-CalculiX (Debian: calculix-ccx): quadratic plane elements with large rotations, one static step a weight. Poisson's
+CalculiX (Debian: calculix-ccx): quadratic plane elements of reduced integration, because full integration stiffens what
+bends by 0.3 %; large rotations; one static step a weight. Poisson's
 ratio is 0: CalculiX gives plane elements one solid element across the width, which suppresses anticlastic bending.
 """
 import math
@@ -14,7 +15,7 @@ import numpy as np
 from description import Channel, Description, Effect, Family, Run, Stated, of, rounded, value
 
 SIMULATOR = "calculix"
-GRAVITY, ELEMENTS, LAYERS = 9.81, 30, 2
+GRAVITY, ELEMENTS, LAYERS = 9.81, 24, 2
 PLAN = [(0, 0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0), (0, 0.25, 0.5, 0.25, 0.0, 0.35, 0.7, 0.9, 0.35, 0.0),
         (0, 0.5, 1.0, 0.5, 0.0, 0.5, 1.0, 0.5, 0.0)]  # shares of the largest weight, a run each
 
@@ -55,7 +56,7 @@ def simulate(numbers, run, times, effects):
             elements.append((e, f"{len(elements) + 1}, " + ", ".join(str(at[p]) for p in around)))
     deck = ["*NODE, NSET=ALL", *nodes]
     for e in range(ELEMENTS):
-        deck += [f"*ELEMENT, TYPE=CPS8, ELSET=E{e}", *(line for own, line in elements if own == e),
+        deck += [f"*ELEMENT, TYPE=CPS8R, ELSET=E{e}", *(line for own, line in elements if own == e),
                  f"*MATERIAL, NAME=M{e}", *_material(numbers, (e + 0.5) / ELEMENTS, effects), "*DENSITY",
                  f"{numbers['density']}", f"*SOLID SECTION, ELSET=E{e}, MATERIAL=M{e}", f"{numbers['width']}"]
     middle, end = at[2 * ELEMENTS, LAYERS], [at[2 * ELEMENTS, j] for j in (0, 2 * LAYERS)]
@@ -67,10 +68,11 @@ def simulate(numbers, run, times, effects):
                  f"0., {-0.15 * length:.9g}", f"0., {length:.9g}"]
     weights = np.interp(times, *run.drive)
     for weight in weights:
-        deck += ["*STEP, NLGEOM, INC=1000", "*STATIC", "1., 1.", "*CLOAD", f"{middle}, 1, {weight * math.sin(tilt):.12g}",
+        # CalculiX stops at residuals of 0.5 % by itself, which moves the end by 0.3 %.
+        deck += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-4, 1.", "*CONTROLS, PARAMETERS=FIELD", "1e-5, 1e-3", "*CLOAD", f"{middle}, 1, {weight * math.sin(tilt):.12g}",
                  f"{middle}, 2, {-weight * math.cos(tilt):.12g}", "*DLOAD"] + \
             [f"E{e}, GRAV, {GRAVITY}, 0., -1., 0." for e in range(ELEMENTS)] + \
-            ["*NODE PRINT, NSET=END", "U", "*END STEP"]
+            ["*NODE PRINT, NSET=END, FREQUENCY=10000", "U", "*END STEP"]
     moved = _run("\n".join(deck) + "\n", len(weights))
     turn = bow * length
     start = (-thick * math.sin(turn), thick * math.cos(turn))

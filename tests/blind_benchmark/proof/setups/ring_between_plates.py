@@ -27,7 +27,7 @@ def describe(draw):
               "mu": Stated(0.3, 0.0), "plate_gap": Stated(2e-4, 1e-4)}
     runs = [Run(np.arange(0.0, time[-1] + 1e-9, 0.1), drive=(time, tuple(1e-3 * d for d in way)))
             for time, way in DRIVES]
-    return Description("ring_between_plates", stated, runs, [Channel("force", "force_N", 0.004, 0.01, 1.0)])
+    return Description("ring_between_plates", stated, runs, [Channel("force", "force_N", 0.008, 0.02, 1.0)])
 
 
 def _bend(moment, knee):
@@ -62,8 +62,8 @@ def simulate(numbers, run, times, effects):
     core, begin = (value(effects, "outside:core", n) for n in ("stiffness_N_m", "begin_m"))
     fine = np.arange(0.0, times[-1] + 5e-3, 5e-3)
     head, at = np.zeros(len(fine)), 0.0
-    for i, d in enumerate(np.interp(fine, corners, way)):  # each reversal loses the play
-        at = min(max(at, d - play), d)
+    for i, d in enumerate(np.interp(fine, corners, way)):  # each reversal loses the play, the start does not
+        at = min(max(at, d), d + play)
         head[i] = at
     press = np.maximum(head - numbers["plate_gap"], 0.0)
     factor = 1.0 - fall * (1.0 - np.exp(-fine / tau))

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 namespace {
 
@@ -28,6 +29,34 @@ int printAccuracy(const std::string& part, std::uint64_t seed, const std::string
         }
     std::fprintf(stderr, "%s: no such case, or its simulation fails\n", name.c_str());
     return 3;
+}
+
+/// Writes one arch: what ./prove.sh asks for.
+/// @param what kind, strength and families, such as single:strong:relaxation or pair:strong:drift+machine
+int writeArch(const std::string& what, std::uint64_t seed, const std::string& name, const fs::path& folder) {
+    CasePlan plan;
+    std::istringstream in(what);
+    std::string families;
+    std::getline(in, plan.kind, ':');
+    std::getline(in, plan.strength, ':');
+    std::getline(in, families, ':');
+    std::istringstream list(families);
+    for (std::string one; std::getline(list, one, '+');)
+        plan.families.push_back(family(one).name);
+    plan.name = name;
+    plan.part = "proof";
+    plan.seed = seed;
+    plan.protocol = Protocol::Arch;
+    const SyntheticCase c = makeCase(plan);
+    if (!c.failure.empty()) {
+        std::fprintf(stderr, "%s: %s\n", name.c_str(), c.failure.c_str());
+        return 3;
+    }
+    fs::create_directories(folder);
+    for (const auto& [file, text] : c.files)
+        writeAtomically(folder / file, text);
+    writeAtomically(folder / "answer.json", c.answer);
+    return 0;
 }
 
 int work(const std::string& part, std::uint64_t seed, const fs::path& folder, int jobs, int job, const char* only) {
@@ -63,6 +92,7 @@ int main(int argc, char** argv) {
     int jobs = 1, job = 0;
     const char* only = nullptr;
     const char* accuracy = nullptr;
+    std::string arch, name = "arch";
     for (int i = 1; i + 1 < argc; i += 2) {
         const std::string key = argv[i];
         if (key == "--part")
@@ -75,6 +105,10 @@ int main(int argc, char** argv) {
             accuracy = argv[i + 1];
         else if (key == "--only")
             only = argv[i + 1];
+        else if (key == "--arch")
+            arch = argv[i + 1];
+        else if (key == "--name")
+            name = argv[i + 1];
         else if (key == "--shard")
             std::sscanf(argv[i + 1], "%d/%d", &job, &jobs);
         else
@@ -82,12 +116,15 @@ int main(int argc, char** argv) {
     }
     if ((out.empty() && accuracy == nullptr) || !isPart(part) || jobs < 1) {
         std::fprintf(stderr, "synthetic_cases --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard "
-                             "I/N] [--accuracy CASE]\n");
+                             "I/N] [--accuracy CASE]\n"
+                             "synthetic_cases --arch KIND:STRENGTH:FAMILIES --name NAME --seed N --out DIR\n");
         return 2;
     }
     if (seed == 0)
         seed = part == "tuning" ? 1 : 2026;
     try {
+        if (!arch.empty())
+            return writeArch(arch, seed, name, out);
         if (accuracy != nullptr)
             return printAccuracy(part, seed, accuracy);
         return work(part, seed, out, jobs, job, only) == 0 ? 0 : 3;

@@ -128,6 +128,20 @@ TEST_CASE("weights at the end of a cantilever bend it as the elastica", "[replay
         CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
 }
 
+TEST_CASE("a cantilever with a natural curvature is clamped level", "[replay][rods]") {
+    const double curvature = 0.5, length = 0.3;
+    const Described d{"cantilever_weights",
+                      "tip_y",
+                      "tip_mm",
+                      R"("gravity": 0, "natural_curvature": 0.5)",
+                      "time_s,weight_g,tip_mm\n0,0,0\n5,0,1\n9,0,2\n10,1,3\n",
+                      R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
+                      ""};
+    // Without a load it is an arc that leaves the clamp along x. It settles to 1e-6 of its length.
+    CHECK(played(d.loaded()).readings.force[1] ==
+          Approx((1.0 - std::cos(curvature * length)) / curvature).margin(1e-6 * length));
+}
+
 TEST_CASE("a released cantilever vibrates with its own frequency and damping", "[replay][rods]") {
     const double b = modulus(2e11, 0.02, 1e-3), line = 7800.0 * 0.02 * 1e-3, length = 0.3;
     const double w = std::pow(1.8751040687 / length, 2) * std::sqrt(b / line);

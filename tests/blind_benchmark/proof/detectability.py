@@ -1,0 +1,60 @@
+"""Signal of the best possible test for a hidden effect (docs/decisions/0090-detectability.md).
+
+The readings of an effect, in standard deviations of the noise, less what stated numbers, release and zero can absorb.
+Their intervals enter as normal priors of the same variance. A reading counts as 8 standard deviations at most.
+"""
+import math
+
+import numpy as np
+
+LARGEST_DEVIATION = 8.0
+STEP = 0.3  # of a half-width, towards the middle of the interval; the readings are nearly linear in it
+
+
+class Baseline:
+    """The readings without the effect and their derivatives.
+
+    simulate(numbers, effects): readings of all runs and channels behind each other, in units of their noise.
+    numbers: {key: true value}; stated: [(key, Stated)]; zeros: one array of units for each zero, in the same order."""
+
+    def __init__(self, simulate, numbers, stated, zeros):
+        self.simulate, self.numbers = simulate, numbers
+        self.readings = simulate(numbers, [])
+        columns = list(zeros)
+        for key, number in stated:
+            if number.half == 0.0:
+                continue
+            step = -STEP if numbers[key] > number.value else STEP
+            moved = simulate({**numbers, key: numbers[key] + step * number.half}, [])
+            columns.append((moved - self.readings) / step / math.sqrt(3.0))
+        self.columns = np.array(columns).T
+        self.normal = self.columns.T @ self.columns + np.eye(self.columns.shape[1])
+
+    def sigma(self, effects):
+        """Detectability of these effects, in standard deviations of the test's statistic."""
+        signature = np.clip(self.simulate(self.numbers, effects) - self.readings, -LARGEST_DEVIATION,
+                            LARGEST_DEVIATION)
+        along = self.columns.T @ signature
+        return math.sqrt(max(0.0, signature @ signature - along @ np.linalg.solve(self.normal, along)))
+
+
+def amplitude_for(baseline, effect, wanted, largest, tolerance=0.1):
+    """Amplitude at which effect(amplitude) has the wanted detectability; None where no plausible one has."""
+    low, high, a, best = 0.0, 0.0, 1.0, None
+    for _ in range(12):
+        try:
+            seen = max(baseline.sigma([effect(a)]), 1e-6)
+        except (RuntimeError, ValueError):  # too strong for the simulator
+            seen = 1e6
+        miss = abs(math.log(seen / wanted))
+        if miss < tolerance:
+            return a
+        if miss < 0.25 and (best is None or miss < best[0]):
+            best = (miss, a)
+        low, high = (a, high) if seen < wanted else (low, a)
+        following = math.sqrt(low * high) if low and high else a * min(10.0, max(0.1, wanted / seen))
+        following = min(following, largest)
+        if following == a:
+            break
+        a = following
+    return best[1] if best else None

@@ -1,0 +1,219 @@
+#!/usr/bin/python3
+"""Makes a blind set, diagnoses it, opens the answers, scores and prints (docs/results/claims.md).
+
+Started by ./prove.sh. A folder of state holds everything; the same command continues a run that was stopped.
+"""
+import argparse
+import csv
+import hashlib
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import conceal  # noqa: E402
+import plan as plans  # noqa: E402
+import print_page  # noqa: E402
+import rivals  # noqa: E402
+import scoring  # noqa: E402
+
+PATIENCE = 900  # s, elapsed; a diagnosis that takes longer is a time-out
+
+
+class Refused(Exception):
+    """Bad input: a sentence for the user."""
+
+
+def sha256(path):
+    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+
+
+def write(path, text):
+    """The whole file or none of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    part.write_text(text)
+    part.replace(path)
+
+
+def identity(top, program, name, seed):
+    """What a folder of state belongs to. Refuses a tree with changes."""
+    changes = plans.git(top, "status", "--porcelain").splitlines()
+    if changes:
+        raise Refused(f"the tree has {len(changes)} uncommitted changes (first: {changes[0].strip()}); "
+                      "commit or stash them, because the seed follows from the commit")
+    tree = plans.program_tree(top)
+    return {"set": name, "seed": plans.seed_of(tree, name) if seed is None else seed, "program": tree,
+            "binary": sha256(program)}
+
+
+def open_state(folder, own):
+    """Begins or continues a state. Refuses one of another program, set or seed."""
+    file = folder / "state.json"
+    if file.exists():
+        before = json.loads(file.read_text())
+        other = [key for key in own if before.get(key) != own[key]]
+        if other:
+            raise Refused(f"{folder} belongs to another run ({', '.join(other)} differ); give another --state, or "
+                          "remove it")
+    elif folder.exists() and any(folder.iterdir()):
+        raise Refused(f"{folder} is not empty and holds no state of ./prove.sh; give another --state")
+    else:
+        write(file, json.dumps(own, indent=1) + "\n")
+
+
+def make(folder, cases, seed):
+    """Recordings and answers of all cases. The answer comes last: where it exists, the case is complete."""
+    for i, case in enumerate(cases):
+        answer = folder / "answers" / f"{case['name']}.json"
+        if answer.exists():
+            continue
+        begun = time.monotonic()
+        files, truth = conceal.make_case(case, seed)
+        shutil.rmtree(folder / "cases" / case["name"], ignore_errors=True)
+        for name, text in files.items():
+            write(folder / "cases" / case["name"] / name, text)
+        write(answer, json.dumps(truth, indent=1) + "\n")
+        print(f"{case['name']} recorded ({i + 1} of {len(cases)}, {time.monotonic() - begun:.0f} s)", flush=True)
+
+
+def hashes(folder, cases):
+    """Lines of sha256sum for all recordings and answers."""
+    files = [p for case in cases for p in [*(folder / "cases" / case["name"]).iterdir(),
+                                           folder / "answers" / f"{case['name']}.json"]]
+    return "".join(f"{sha256(p)}  {p.relative_to(folder)}\n" for p in sorted(files))
+
+
+def rows_of(experiment):
+    described = json.loads(experiment.read_text())
+    return sum(sum(1 for _ in open(experiment.parent / run["file"], encoding="utf-8")) - 1
+               for run in described["runs"])
+
+
+def run_program(words, seconds):
+    """(exit code or 'time-out', CPU seconds, last line). Ctrl-C reaches the program too and ends this one."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=seconds)
+        code, text = done.returncode, (done.stderr.strip() or done.stdout.strip())
+    except subprocess.TimeoutExpired:
+        code, text = "time-out", f"longer than {seconds} s"
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return code, used, text.splitlines()[-1] if text else ""
+
+
+def process_error(program, case, to):
+    """Held-out error of a Gaussian process on what the baseline leaves; None where it cannot be computed."""
+    with_baseline = f"{to / 'diagnosis.json'}:nothing"
+    code, _, why = run_program([program, "replay", str(case / "experiment.json"), "--with", with_baseline, "--out",
+                                str(to / "baseline"), "--quiet"], PATIENCE)
+    if code != 0:
+        print(f"{case.name}: no Gaussian process: {why}", flush=True)
+        return None
+    names = [pathlib.Path(run["file"]).stem for run in json.loads((case / "experiment.json").read_text())["runs"]]
+    return rivals.process_error([to / "baseline" / f"{name}_replay.csv" for name in names])
+
+
+def diagnose(folder, program, cases, jobs):
+    """Diagnoses what is not diagnosed. What a case costs is written with its diagnosis."""
+    for i, case in enumerate(cases):
+        to, recordings = folder / "diagnoses" / case["name"], folder / "cases" / case["name"]
+        if (to / "result.json").exists():
+            continue
+        shutil.rmtree(to, ignore_errors=True)  # a cache of a stopped diagnosis would make it look cheap
+        # Left out of the catalogue is known before the diagnosis; it is no part of the answer that would help.
+        without = json.loads((folder / "answers" / f"{case['name']}.json").read_text()).get("without", [])
+        words = [program, "diagnose", str(recordings / "experiment.json"), "--out", str(to), "--jobs", str(jobs),
+                 "--skip-next-experiment", "--quiet"]
+        code, cpu, message = run_program(words + [w for label in without for w in ("--without", label)], PATIENCE)
+        if code in (130, -signal.SIGINT):
+            raise KeyboardInterrupt
+        result = {"exit": "done" if code == 0 else f"refused ({code})" if code != "time-out" else code, "cpu_s": cpu,
+                  "message": message, "rows": rows_of(recordings / "experiment.json")}
+        if code == 0:
+            result["diagnosis"] = json.loads((to / "diagnosis.json").read_text())
+            result["process_rmse"] = process_error(program, recordings, to)
+        write(to / "result.json", json.dumps(result) + "\n")
+        print(f"{case['name']} diagnosed ({i + 1} of {len(cases)}, {cpu / 60:.1f} CPU min)", flush=True)
+
+
+def rows(folder, cases):
+    """Opens the answers. Refuses if one changed since it was hashed."""
+    if hashes(folder, cases) != (folder / "hashes.sha256").read_text():
+        raise Refused(f"recordings or answers in {folder} changed after they were hashed; begin again")
+    return [scoring.score(json.loads((folder / "answers" / f"{c['name']}.json").read_text()),
+                          json.loads((folder / "diagnoses" / c["name"] / "result.json").read_text())) for c in cases]
+
+
+def write_results(file, own, scored):
+    with open(file, "w", newline="", encoding="utf-8") as f:
+        f.write(f"# set {own['set']}, seed {own['seed']}, program {own['program']}\n")
+        out = csv.DictWriter(f, scoring.COLUMNS, lineterminator="\n")
+        out.writeheader()
+        out.writerows(scored)
+
+
+def published(top, own, text):
+    """Whether the hashes of the set are committed. Otherwise they are put where they are to be committed."""
+    file = pathlib.Path(top) / "docs/results/proof" / f"{own['set']}.sha256"
+    if not file.exists():
+        write(file, text)
+        print(f"\nHashes of the set: {file}\nCommit this file, then run the same command again: the diagnoses begin "
+              "when the hashes are in git.")
+        return False
+    if file.read_text() != text:
+        raise Refused(f"{file} holds other hashes: this set was published by another program; give the set another "
+                      "name in tests/blind_benchmark/proof/plan.py")
+    return True
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="./prove.sh", description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, help="a seed of your own; without it the seed follows from the program")
+    parser.add_argument("--first", type=int, metavar="K", help="only the first K cases of the set")
+    parser.add_argument("--state", metavar="FOLDER", help="recordings, diagnoses, scores (out/prove/SET_SEED)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="threads of a diagnosis (all cores)")
+    parser.add_argument("--top", default=str(pathlib.Path(__file__).resolve().parents[3]), help=argparse.SUPPRESS)
+    parser.add_argument("--program", default="build/bin/supercircle", help=argparse.SUPPRESS)
+    o = parser.parse_args(arguments)
+    program = str(pathlib.Path(o.top, o.program))
+    os.environ.setdefault("SYNTHETIC_CASES", str(pathlib.Path(o.top, "build/tests/synthetic_cases")))
+    try:
+        own = identity(o.top, program, plans.SET, o.seed)
+        folder = pathlib.Path(o.state or pathlib.Path(o.top, "out/prove", f"{own['set']}_{own['seed']}")).absolute()
+        whole = plans.plan(own["seed"])
+        if o.first is not None and not 1 <= o.first <= len(whole):
+            raise Refused(f"--first {o.first}: the set has {len(whole)} cases; give 1 to {len(whole)}")
+        cases = whole[:o.first]
+        open_state(folder, own)
+        print(f"{len(cases)} of {len(whole)} cases of {own['set']}, seed {own['seed']}; state: {folder}", flush=True)
+        make(folder, cases, own["seed"])
+        write(folder / "hashes.sha256", hashes(folder, cases))
+        if o.seed is None and o.first is None and not published(o.top, own, hashes(folder, cases)):
+            return 0
+        diagnose(folder, program, cases, o.jobs)
+        scored = rows(folder, cases)
+        write_results(folder / "results.csv", own, scored)
+        print("\n" + print_page.page(scored))
+        print(f"Cases: {folder / 'results.csv'}; pages: {folder / 'diagnoses'}/*/report.html")
+    except Refused as why:
+        print(f"prove.sh: {why}", file=sys.stderr)
+        return 2
+    except (RuntimeError, OSError) as why:
+        print(f"prove.sh: {why}; what is done is kept, the same command continues", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        print("prove.sh: interrupted; the same command continues", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,158 @@
+"""A clamped strip with weights at its end, loaded and unloaded. Scene `cantilever_weights`.
+
+CalculiX (Debian: calculix-ccx): quadratic plane elements of reduced integration, because full integration stiffens what
+bends by 0.3 %; large rotations; one static step a weight. Poisson's
+ratio is 0: CalculiX gives plane elements one solid element across the width, which suppresses anticlastic bending.
+"""
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+
+import numpy as np
+
+from description import Channel, Description, Effect, Family, Run, Stated, of, rounded, value
+
+SIMULATOR = "calculix"
+GRAVITY, ELEMENTS, LAYERS = 9.81, 24, 2
+PLAN = [(0, 0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0), (0, 0.25, 0.5, 0.25, 0.0, 0.35, 0.7, 0.9, 0.35, 0.0),
+        (0, 0.5, 1.0, 0.5, 0.0, 0.5, 1.0, 0.5, 0.0)]  # shares of the largest weight, a run each
+
+
+def describe(draw):
+    length, thickness = rounded(draw.uniform(0.25, 0.35), 3), rounded(draw.uniform(8e-4, 1.2e-3), 2)
+    most = rounded(1.6 * 2.0e11 * 0.02 * thickness**3 / 12.0 / length**2, 2)  # N; the end turns by some 40 degrees
+    stated = {"length": Stated(length, 5e-4), "thickness": Stated(thickness, 1e-5), "width": Stated(0.02, 0.0),
+              "young_modulus": Stated(2.0e11, 8e9), "density": Stated(7800.0, 0.0),
+              "natural_curvature": Stated(0.0, 0.02)}
+    runs = []
+    for shares in PLAN:
+        times = 10.0 * np.arange(len(shares))
+        runs.append(Run(times, drive=(tuple(times), tuple(round(s * most, 2) for s in shares))))
+    channels = [Channel("tip_y", "deflection_mm", 0.3, 0.5, -1e3), Channel("tip_angle", "angle_deg", 0.15, 0.3, -180 / math.pi)]
+    return Description("cantilever_weights", stated, runs, channels,
+                       {"parameter": "weight", "column": "weight_N", "scale": 1.0})
+
+
+def simulate(numbers, run, times, effects):
+    length, thick, bow = numbers["length"], numbers["thickness"], numbers["natural_curvature"]
+    tilt, stop = (value(effects, f"outside:{n}", p) for n, p in (("tilted_string", "tilt_rad"),
+                                                                 ("soft_stop", "stiffness_N_m")))
+    at, nodes, elements = {}, [], []
+    for i in range(2 * ELEMENTS + 1):
+        for j in range(2 * LAYERS + 1):
+            if i % 2 and j % 2:
+                continue
+            s, z = length * i / (2 * ELEMENTS), thick * (j / (2 * LAYERS) - 0.5)
+            turn = bow * s
+            x, y = (math.sin(turn) / bow, (1 - math.cos(turn)) / bow) if abs(turn) > 1e-9 else (s, 0.0)
+            at[i, j] = len(nodes) + 1
+            nodes.append(f"{at[i, j]}, {x - z * math.sin(turn):.12g}, {y + z * math.cos(turn):.12g}, 0")
+    for e in range(ELEMENTS):
+        for k in range(LAYERS):
+            a, b = 2 * e, 2 * k
+            around = [(a, b), (a + 2, b), (a + 2, b + 2), (a, b + 2), (a + 1, b), (a + 2, b + 1), (a + 1, b + 2), (a, b + 1)]
+            elements.append((e, f"{len(elements) + 1}, " + ", ".join(str(at[p]) for p in around)))
+    deck = ["*NODE, NSET=ALL", *nodes]
+    for e in range(ELEMENTS):
+        deck += [f"*ELEMENT, TYPE=CPS8R, ELSET=E{e}", *(line for own, line in elements if own == e),
+                 f"*MATERIAL, NAME=M{e}", *_material(numbers, (e + 0.5) / ELEMENTS, effects), "*DENSITY",
+                 f"{numbers['density']}", f"*SOLID SECTION, ELSET=E{e}, MATERIAL=M{e}", f"{numbers['width']}"]
+    middle, end = at[2 * ELEMENTS, LAYERS], [at[2 * ELEMENTS, j] for j in (0, 2 * LAYERS)]
+    root = ", ".join(str(at[0, j]) for j in range(2 * LAYERS + 1))
+    deck += ["*NSET, NSET=ROOT", root, "*NSET, NSET=END", f"{end[0]}, {middle}, {end[1]}", "*BOUNDARY", "ROOT, 1, 2"]
+    if stop:  # a spring that begins to resist when the end has sunk by 0.15 of the length
+        deck += ["*ELEMENT, TYPE=SPRING1, ELSET=STOP", f"{len(elements) + 1}, {middle}",
+                 "*SPRING, ELSET=STOP, NONLINEAR", "2", f"{-stop * 0.85 * length:.9g}, {-length:.9g}",
+                 f"0., {-0.15 * length:.9g}", f"0., {length:.9g}"]
+    weights = np.interp(times, *run.drive)
+    for weight in weights:
+        # CalculiX stops at residuals of 0.5 % by itself, which moves the end by 0.3 %.
+        deck += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-4, 1.", "*CONTROLS, PARAMETERS=FIELD", "1e-5, 1e-3", "*CLOAD", f"{middle}, 1, {weight * math.sin(tilt):.12g}",
+                 f"{middle}, 2, {-weight * math.cos(tilt):.12g}", "*DLOAD"] + \
+            [f"E{e}, GRAV, {GRAVITY}, 0., -1., 0." for e in range(ELEMENTS)] + \
+            ["*NODE PRINT, NSET=END, FREQUENCY=10000", "U", "*END STEP"]
+    moved = _run("\n".join(deck) + "\n", len(weights))
+    turn = bow * length
+    start = (-thick * math.sin(turn), thick * math.cos(turn))
+    up = moved[:, end[1]] - moved[:, end[0]] + start
+    angle = np.arctan2(-up[:, 0], up[:, 1])
+    y = (1 - math.cos(turn)) / bow if abs(turn) > 1e-9 else 0.0
+    return [(moved[:, middle, 1] + y) * (1.0 + value(effects, "sensor_gain", "error")), angle]
+
+
+def _material(numbers, place, effects):
+    """Cards of the material of an element. place: arc fraction."""
+    drop, centre, width = (value(effects, "local_damage", n, off) for n, off in
+                           (("stiffness_drop", 0.0), ("arc_fraction", 0.5), ("gauss_width_m", 1.0)))
+    gradient = value(effects, "stiffness_gradient", "gradient")
+    s = (place - centre) * numbers["length"]
+    modulus = numbers["young_modulus"] * (1.0 - drop * math.exp(-0.5 * (s / width)**2)) * \
+        (1.0 + gradient * (2.0 * place - 1.0))
+    stress = value(effects, "plasticity", "yield_stress_Pa")
+    if stress:
+        return ["*ELASTIC", f"{modulus:.9g}, 0.", "*PLASTIC", f"{stress:.9g}, 0.", f"{stress + 0.3 * modulus:.9g}, 1."]
+    knee = value(effects, "nonlinear_elasticity", "stress_Pa")
+    if knee:  # Ramberg and Osgood: strain E = stress + 3/7 (stress / knee)^2 stress, the same on the way back
+        return ["*DEFORMATION PLASTICITY", f"{modulus:.9g}, 0., {knee:.9g}, 3., {3.0 / 7.0:.9g}"]
+    return ["*ELASTIC", f"{modulus:.9g}, 0."]
+
+
+def _run(deck, steps):
+    """Displacements [step, node, axis] of the printed nodes."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder)
+        (path / "strip.inp").write_text(deck)
+        try:
+            done = subprocess.run(["ccx", "-i", "strip"], cwd=folder, capture_output=True, text=True, timeout=300,
+                                  env={**os.environ, "OMP_NUM_THREADS": "1"})
+        except subprocess.TimeoutExpired as why:
+            raise RuntimeError("CalculiX takes longer than 300 s") from why
+        blocks, out = -1, {}
+        for line in (path / "strip.dat").read_text().splitlines() if (path / "strip.dat").exists() else []:
+            words = line.split()
+            if "displacements" in line:
+                blocks += 1
+            elif len(words) == 4:
+                out[blocks, int(words[0])] = [float(w) for w in words[1:3]]
+    if done.returncode != 0 or blocks + 1 != steps:
+        raise RuntimeError("CalculiX does not converge")
+    nodes = max(n for _, n in out) + 1
+    moved = np.full((steps, nodes, 2), np.nan)
+    for (step, node), u in out.items():
+        moved[step, node] = u
+    return moved
+
+
+def _damage(draw):
+    place, width = draw.uniform(0.15, 0.4), draw.uniform(0.01, 0.02)
+    return lambda a: Effect("local_damage", {"stiffness_drop": min(0.9, 0.1 * a), "arc_fraction": place,
+                                             "gauss_width_m": width})
+
+
+def _gradient(draw):
+    sign = draw.choice((-1.0, 1.0))
+    return lambda a: Effect("stiffness_gradient", {"gradient": 0.05 * a * sign}, "modulus")
+
+
+def _plastic(draw):
+    return lambda a: Effect("plasticity", {"yield_stress_Pa": 9e8 / (1.0 + 0.3 * a)}, "another law")
+
+
+def _knee(draw):
+    return lambda a: Effect("nonlinear_elasticity", {"stress_Pa": 3e9 / math.sqrt(a)}, "another law")
+
+
+FAMILIES = [
+    Family("plasticity", "plasticity", _plastic, 8.0),
+    Family("knee", "nonlinear_elasticity", _knee, 30.0),
+    Family("damage", "local_damage", _damage, 9.0),
+    Family("gradient", "stiffness_gradient", _gradient, 16.0),
+    Family("gain", "sensor_gain", of("sensor_gain", "error", 0.02, sign=True), 10.0),
+]
+PAIR = ("plasticity", "gain")
+OUTSIDE = [
+    Family("tilted_string", "", of("outside:tilted_string", "tilt_rad", 0.05, sign=True), 10.0),
+    Family("soft_stop", "", of("outside:soft_stop", "stiffness_N_m", 1.0)),
+]

@@ -1,6 +1,5 @@
 #include "supercircle/step/crush.h"
 
-#include "supercircle/contact/crossing.h"
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"

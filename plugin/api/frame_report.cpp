@@ -62,7 +62,8 @@ void complete(FrameReport& report, const step::World& world, const step::Setting
     if (report.unconverged > 0)
         add(line, text("unconverged steps %llu", static_cast<unsigned long long>(report.unconverged)));
     if (!events.crushed.empty())
-        add(line, text("crushed %zu", events.crushed.size()));
+        add(line, text("crushed %zu%s", events.crushed.size(),
+                       settings.crush == step::CrushPolicy::Stop ? ", what presses stands" : ""));
     if (!events.broke.empty())
         add(line, text("broke %zu", events.broke.size()));
     if (!events.quarantined.empty())

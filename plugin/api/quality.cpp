@@ -47,7 +47,7 @@ Status Shells::set_frame_budget(std::uint64_t work) {
 Status Shells::set_crush_policy(CrushPolicy policy) {
     return impl_->change([&] {
         if (policy > CrushPolicy::Freeze)
-            return refused("the policy must be Wait, LetThrough or Freeze");
+            return refused("the policy must be Wait, Stop or Freeze");
         impl_->stepper.settings().crush = static_cast<step::CrushPolicy>(policy);
         impl_->recorder.record(Call::SetCrushPolicy, policy);
         return done();

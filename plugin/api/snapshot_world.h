@@ -89,9 +89,9 @@ void io(Ar& ar, Is<step::BodyMaterial> auto& m) {
 }
 
 template <class Ar>
-void io(Ar& ar, Is<step::Passage> auto& p) {
-    auto& [rod, body, until] = p;
-    ar(rod, body, until);
+void io(Ar& ar, Is<step::StoppedBody> auto& s) {
+    auto& [body, velocity, spin, until, hostVelocity, hostSpin] = s;
+    ar(body, velocity, spin, until, hostVelocity, hostSpin);
 }
 
 template <class Ar>
@@ -334,7 +334,7 @@ template <class Ar>
 void io(Ar& ar, Is<step::World> auto& w) {
     auto& [time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
            crossheadBodies, energyBalance, counters, candidates, range, dt, dtNext, nextKey, links, nextPart,
-           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, passages,
+           pairFriction, bodyMaterials, sleepingImpulses, nextIsland, effectsGone, surfaceSpeeds, vetoes, stopped,
            overlaps] = w;
     ar(time, gravity, rods, bodies, outlines, constraints, impulses, crossheadVelocity, crossheadTravel,
        crossheadBodies, energyBalance);
@@ -344,7 +344,7 @@ void io(Ar& ar, Is<step::World> auto& w) {
        effectsGone);
     ioIfAny(ar, surfaceSpeeds);
     ioIfAny(ar, vetoes);
-    ioIfAny(ar, passages);
+    ioIfAny(ar, stopped);
     ioIfAny(ar, overlaps);
 }
 

@@ -1,6 +1,5 @@
 #include "supercircle/step/crush.h"
 
-#include "supercircle/contact/crossing.h"
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
@@ -18,9 +17,11 @@ namespace {
 constexpr double kNoMotion = 0.05;
 /// Of the pressing force, that presses back. Far lower ones are of shells that move away.
 constexpr double kPressesBack = 0.25;
-/// s, for which a body may pass at least: the shell is still between the surfaces when it is let go. Half of it crushes
-/// slow presses' shells twice; twice as much lets fast bodies pass a second time.
-constexpr double kPassage = 0.25;
+/// Own forces of a shell. With half of it or twice as much a press stops at half the force or twice.
+constexpr double kDiverges = 1e6;
+/// s, for which a body stands. Half of it costs a closed press twice as many frames that end early; twice as much lets
+/// one that was stopped by a hard contact problem stand for half a second.
+constexpr double kStands = 0.25;
 
 /// What is pressed by whom: rods and dynamic bodies that press on each other are one set.
 class Sets {
@@ -79,12 +80,43 @@ Vec2 velocityOf(const World& world, const Hold& h, double dt) {
     return (poseAfter(world, h, dt).point - poseAfter(world, h, 0.0).point) / dt;
 }
 
-bool known(const std::vector<Crushed>& list, const Crushed& c) {
-    return std::any_of(list.begin(), list.end(),
-                       [&](const Crushed& o) { return o.rod == c.rod && o.body == c.body && o.hold == c.hold; });
+bool isDriven(const World& world, BodyId id) {
+    const Body* body = findBody(world.bodies, id);
+    return body != nullptr && body->driven;
+}
+
+/// Whether a motion still leads into the rods that have stopped it.
+bool leadsOn(const StoppedBody& s, const Vec2& velocity, double spin) {
+    return velocity.dot(s.velocity) > 0.0 || spin * s.spin > 0.0;
+}
+
+const StoppedBody* findStopped(const World& world, BodyId body) {
+    const auto it =
+        std::find_if(world.stopped.begin(), world.stopped.end(), [&](const StoppedBody& s) { return s.body == body; });
+    return it != world.stopped.end() ? &*it : nullptr;
 }
 
 } // namespace
+
+void addCrushed(std::vector<Crushed>& list, const std::vector<Crushed>& more) {
+    for (const Crushed& c : more)
+        if (std::none_of(list.begin(), list.end(),
+                         [&](const Crushed& o) { return o.rod == c.rod && o.body == c.body && o.hold == c.hold; }))
+            list.push_back(c);
+}
+
+bool forcesDiverge(const World& world, const TrialStep& t) {
+    if (static_cast<std::size_t>(t.stage.r.size()) < 2 * t.stage.candidates.size())
+        return false;
+    for (std::size_t i = 0; i < t.stage.candidates.size(); ++i) {
+        const rod::RodModel& m = world.rods[static_cast<std::size_t>(t.stage.work[i].rodA)].model;
+        const double length = m.definition().length;
+        const double own = m.mass() * world.gravity.norm() + m.definition().bendingModulus / (length * length);
+        if (t.stage.r[static_cast<Eigen::Index>(2 * i)] > kDiverges * own * t.dt)
+            return true;
+    }
+    return false;
+}
 
 void findCrushed(const World& world, const TrialStep& t, std::vector<Crushed>& out) {
     out.clear();
@@ -95,10 +127,7 @@ void findCrushed(const World& world, const TrialStep& t, std::vector<Crushed>& o
     const auto small = [&](double speed, std::size_t rod) {
         return speed * t.dt <= kNoMotion * world.rods[rod].model.definition().thickness;
     };
-    const auto add = [&](const Crushed& c) {
-        if (!known(out, c))
-            out.push_back(c);
-    };
+    const auto add = [&](const Crushed& c) { addCrushed(out, {c}); };
     std::vector<char> held(world.rods.size() + world.bodies.size(), 0);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (!world.rods[i].holds.empty())
@@ -111,7 +140,7 @@ void findCrushed(const World& world, const TrialStep& t, std::vector<Crushed>& o
             if (sets.root(o.rod) == sets.root(p.rod))
                 (o.body == p.body ? pressing : back) += o.impulse;
         if (held[sets.root(p.rod)] != 0 || back.dot(pressing) < -kPressesBack * pressing.squaredNorm())
-            add({world.rods[p.rod].key, p.body, 0, world.time});
+            add({world.rods[p.rod].key, p.body, 0, world.time, isDriven(world, p.body)});
     }
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         for (const Hold& h : world.rods[i].holds) {
@@ -120,11 +149,13 @@ void findCrushed(const World& world, const TrialStep& t, std::vector<Crushed>& o
                 continue;
             for (const Press& p : presses)
                 if (sets.root(p.rod) == sets.root(i) && p.impulse.dot(v) < -kPressesBack * p.impulse.norm() * v.norm())
-                    add({world.rods[h.onCrosshead ? p.rod : i].key, p.body, h.onCrosshead ? 0U : h.key, world.time});
+                    add({world.rods[h.onCrosshead ? p.rod : i].key, p.body, h.onCrosshead ? 0U : h.key, world.time,
+                         h.onCrosshead});
         }
 }
 
-void endCrushing(World& world, const Settings& settings, const std::vector<Crushed>& crushed) {
+bool endCrushing(World& world, const Settings& settings, const std::vector<Crushed>& crushed) {
+    bool stops = false;
     for (const Crushed& c : crushed) {
         const int index = rodIndex(world, c.rod);
         if (index < 0)
@@ -143,35 +174,73 @@ void endCrushing(World& world, const Settings& settings, const std::vector<Crush
             if (!rod.quarantined)
                 quarantine(world, rod, QuarantineReason::Crushed);
         } else {
-            world.passages.push_back({c.rod, c.body, world.time + kPassage});
-            wake(world, static_cast<std::size_t>(index));
+            stops = true;
         }
     }
     if (!crushed.empty())
         world.range.clear(); // candidates are found anew
+    return stops;
 }
 
-void closePassages(World& world) {
-    const auto inside = [&](const Passage& p, int index) {
-        std::vector<contact::RodCurve> curve(1);
-        toCurve(world.rods[static_cast<std::size_t>(index)], world.rods[static_cast<std::size_t>(index)].kin, curve[0]);
-        std::vector<contact::Outline> outlines;
-        const Body& body = world.bodies[static_cast<std::size_t>(bodyIndex(world, p.body))];
-        for (const BodyOutline& o : world.outlines)
-            if (o.body == p.body)
-                outlines.push_back(placed(o, body.state.centre, body.state.angle));
-        std::vector<contact::Crossing> found;
-        contact::findCrossings(curve, outlines, found);
-        return std::any_of(found.begin(), found.end(), [](const contact::Crossing& c) { return c.outline >= 0; });
-    };
-    const std::size_t closed = std::erase_if(world.passages, [&](const Passage& p) {
-        const int rod = rodIndex(world, p.rod);
-        if (rod < 0 || bodyIndex(world, p.body) < 0)
+void stopBodies(World& world, const std::vector<Crushed>& crushed) {
+    for (const Crushed& c : crushed) {
+        StoppedBody s;
+        const Body* body = findBody(world.bodies, c.body);
+        if (c.hold != 0 || (!c.crosshead && body == nullptr))
+            continue;
+        s.body = c.crosshead ? 0 : c.body;
+        s.velocity = c.crosshead ? world.crossheadVelocity : body->state.velocity;
+        s.spin = c.crosshead ? 0.0 : body->state.spin;
+        s.until = world.time + kStands;
+        std::erase_if(world.stopped, [&](const StoppedBody& o) { return o.body == s.body; });
+        world.stopped.push_back(s);
+    }
+}
+
+void endStops(World& world) {
+    std::erase_if(world.stopped, [&](const StoppedBody& s) { return world.time >= s.until; });
+}
+
+bool crossheadStands(const World& world) {
+    const StoppedBody* s = findStopped(world, 0);
+    return s != nullptr && leadsOn(*s, world.crossheadVelocity, 0.0);
+}
+
+void standStill(const World& world, const Body& old, Body& b) {
+    const StoppedBody* s = findStopped(world, b.id);
+    if (s == nullptr || !leadsOn(*s, b.state.velocity, b.state.spin))
+        return;
+    b.state.centre = old.state.centre;
+    b.state.angle = old.state.angle;
+    b.state.velocity.setZero();
+    b.state.spin = 0.0;
+}
+
+void stopInHost(World& world, Port& port) {
+    std::erase_if(world.stopped, [&](StoppedBody& s) {
+        if (s.body == 0)
+            return false;
+        const Body* body = findBody(world.bodies, s.body);
+        BodyState now;
+        const bool stands = body != nullptr && body->state.velocity.isZero(0.0) && !(std::abs(body->state.spin) > 0.0);
+        if (!stands || !port.state(s.body, now))
             return true;
-        return world.time >= p.until && !inside(p, rod);
+        if (!now.moving) // a static body that is put forward: only its copy stands
+            return false;
+        s.hostVelocity = now.velocity;
+        s.hostSpin = now.spin;
+        port.drive(s.body, body->state.centre, body->state.angle, Vec2::Zero(), 0.0);
+        return false;
     });
-    if (closed > 0)
-        world.range.clear();
+}
+
+void resumeInHost(const World& world, Port& port) {
+    for (const StoppedBody& s : world.stopped) {
+        BodyState now;
+        if (s.body != 0 && port.state(s.body, now) && now.moving && now.velocity.isZero(0.0) &&
+            !(std::abs(now.spin) > 0.0))
+            port.drive(s.body, now.centre, now.angle, s.hostVelocity, s.hostSpin);
+    }
 }
 
 void breakOverloaded(World& world, std::vector<Broken>& out) {

@@ -104,12 +104,14 @@ struct Link {
     bool broken = false;       ///< until the end of the frame, when it is removed
 };
 
-/// A body of given motion that may pass through a rod, because it leaves the rod no room (crush.h).
-struct Passage {
-    std::uint32_t rod = 0; ///< key
-    BodyId body = 0;
-    double until = 0.0; ///< World::time; later it ends when the two are apart, s
-    friend bool operator==(const Passage&, const Passage&) = default;
+/// A body of given motion that left a rod no room, and stands (crush.h).
+struct StoppedBody {
+    BodyId body = 0;                  ///< 0: all that the crosshead carries
+    Vec2 velocity = Vec2::Zero();     ///< that led into the rod, m/s
+    double spin = 0.0;                ///< rad/s
+    double until = 0.0;               ///< World::time at which it may try again, s
+    Vec2 hostVelocity = Vec2::Zero(); ///< to be given back after the host's step, m/s
+    double hostSpin = 0.0;            ///< rad/s
 };
 
 /// Friction of a pair of materials, instead of the mean of the two.

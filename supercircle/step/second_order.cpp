@@ -58,8 +58,7 @@ bool anyBodyFree(const TrialStep& t) {
 /// Whether all that acts can be extrapolated.
 bool canBeMade(const World& world, const Settings& s, const TrialStep& t) {
     if (!s.secondOrder || s.fixedDt > 0.0 || t.stage.links.count > 0 || t.stage.pushes.count > 0 ||
-        !t.stage.pulls.empty() || !world.overlaps.empty() || !world.passages.empty() ||
-        !world.crossheadVelocity.isZero(0.0))
+        !t.stage.pulls.empty() || !world.overlaps.empty() || !world.crossheadVelocity.isZero(0.0))
         return false;
     int solved = 0;
     for (std::size_t i = 0; i < t.rods.size(); ++i) {

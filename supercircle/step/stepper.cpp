@@ -98,20 +98,29 @@ bool takeOutHopeless(World& world, const TrialResult& r) {
     return true;
 }
 
-/// Ends contradictions that keep a trial from being feasible (crush.h). False: there are none.
-bool endedContradiction(World& world, const Settings& s, const TrialStep& t, Reason reason, int cuts,
-                        FrameResult& out) {
-    const bool infeasible = reason == Reason::Unconverged || reason == Reason::Penetration ||
-                            reason == Reason::LinkGap || reason == Reason::Crossing ||
-                            (reason == Reason::None && !t.stage.report.converged);
+/// What contradictions ask for.
+enum class Contradiction : std::uint8_t {
+    None,
+    Ended, ///< the step is tried again
+    Stops  ///< something has to stop: the frame ends here
+};
+
+/// Ends contradictions that keep a trial from being feasible (crush.h). A contact problem that the solver has solved
+/// contradicts nothing, and one that it gave up says nothing, unless forces diverge.
+Contradiction endContradiction(World& world, const Settings& s, const TrialStep& t, Reason reason, int cuts,
+                               FrameResult& out) {
+    const bool infeasible = !t.stage.report.converged && t.fullEffort &&
+                            (reason == Reason::None || reason == Reason::Unconverged || reason == Reason::Penetration ||
+                             reason == Reason::LinkGap || reason == Reason::Crossing);
     const bool cut = cuts >= kCutsToCrush || t.dt <= math::pow(2.0, kCutsToCrush) * s.dtMin;
-    if (s.crush == CrushPolicy::Wait || !infeasible || !cut)
-        return false;
+    if (s.crush == CrushPolicy::Wait || !((infeasible && cut) || forcesDiverge(world, t)))
+        return Contradiction::None;
     std::vector<Crushed> crushed;
     findCrushed(world, t, crushed);
-    endCrushing(world, s, crushed);
-    out.crushed.insert(out.crushed.end(), crushed.begin(), crushed.end());
-    return !crushed.empty();
+    addCrushed(out.crushed, crushed);
+    if (endCrushing(world, s, crushed))
+        return Contradiction::Stops;
+    return crushed.empty() ? Contradiction::None : Contradiction::Ended;
 }
 
 /// Cuts in a row that the last frame left, of the rods that step together.
@@ -232,15 +241,16 @@ Stepper::Verdict Stepper::judge(Part& part, double elapsed, Port* port, FrameBud
         countRejection(world, reason);
         return Verdict::Repeat;
     }
-    if (endedContradiction(world, settings_, trial, reason, part.cuts, out)) {
+    if (const Contradiction found = endContradiction(world, settings_, trial, reason, part.cuts, out);
+        found != Contradiction::None) {
         countRejection(world, reason == Reason::None ? Reason::Unconverged : reason);
         part.cuts = part.unsolved = 0;
-        return Verdict::Repeat;
+        return found == Contradiction::Stops ? Verdict::End : Verdict::Repeat;
     }
     if (reason != Reason::None && !part.isSmallest(settings_)) {
         countRejection(world, reason);
         ++part.cuts;
-        part.unsolved += reason == Reason::Unconverged ? 1 : 0;
+        part.unsolved += trial.stage.report.converged ? 0 : 1;
         world.dtNext = 0.5 * trial.dt;
         return Verdict::Repeat;
     }
@@ -298,7 +308,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     const EnergyBalance balance = world.energyBalance;
     FrameBudget budget(settings_, world, part.budget, part.budgeted);
     part.frame = frame;
-    part.cuts = cutsOf(world);
+    part.cuts = part.unsolved = cutsOf(world); // the last frame had no time for more
     std::int64_t left = kTicks;
     while (left > 0 && out.failure.empty() && !out.stopped && !out.budgetExhausted) {
         part.ticks = ticksFor(wantedSize(world, settings_, frame, part.cuts), frame, left);
@@ -381,12 +391,14 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
         return out;
     }
     const bool whole = observer.wantsWholeWorld() || indivisible(world, settings_);
+    const Vec2 crossheadVelocity = world.crossheadVelocity;
+    endStops(world);
+    if (crossheadStands(world))
+        world.crossheadVelocity.setZero();
     beginFrame(world, settings_, frame, port, !whole, work_->reading, times_);
     const std::string refused = work_->reading.why;
     updateVetoes(world, frame, pairFilter);
     stopHolds(world, frame);
-    if (!world.passages.empty())
-        closePassages(world);
     if (whole) {
         out = advanceWhole(world, frame, port, observer);
     } else {
@@ -395,6 +407,11 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
                                             : advanceIslands(world, frame, port, observer);
     }
     out.refused = refused;
+    if (port && out.advanced > 0.0)
+        stopInHost(world, *port);
+    world.crossheadVelocity = crossheadVelocity;
+    if (settings_.crush == CrushPolicy::Stop)
+        stopBodies(world, out.crushed);
     removeBroken(world);
     if (port)
         out.carried = work_->reading.carried;

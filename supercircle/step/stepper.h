@@ -21,8 +21,9 @@ namespace supercircle::step {
 struct Crushed {
     std::uint32_t rod = 0; ///< key
     BodyId body = 0;
-    std::uint32_t hold = 0; ///< key of the hold that was driven; 0: the body moves
+    std::uint32_t hold = 0; ///< key of the hold that was driven; 0: the body or the crosshead moves
     double time = 0.0;      ///< s
+    bool crosshead = false; ///< it carries the body or a hold
 };
 
 /// A hold or link that was asked for more than its largest force.

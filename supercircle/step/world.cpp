@@ -265,7 +265,7 @@ Settings gameSettings() {
     s.secondOrderRods = 8;
     s.frameWork = 8333; // half a frame of 60 Hz
     s.giveUpEarly = true;
-    s.crush = CrushPolicy::LetThrough;
+    s.crush = CrushPolicy::Stop;
     return s;
 }
 

@@ -146,9 +146,9 @@ struct ContactImpulse {
 
 /// What becomes of a shell between given motions that leave it no room.
 enum class CrushPolicy : std::uint8_t {
-    Wait,       ///< the steps get shorter and shorter
-    LetThrough, ///< the body passes through the shell; a hold stops
-    Freeze      ///< the shell is quarantined; a hold stops
+    Wait,  ///< the steps get shorter and shorter
+    Stop,  ///< the body and a hold stop
+    Freeze ///< the shell is quarantined; a hold stops
 };
 
 /// Resolution of the numerics. Lengths are relative to the thinnest shell's thickness h, so that a scene scales.
@@ -287,7 +287,7 @@ struct World {
     effects::EffectEnergies effectsGone{};   ///< dissipated on rods that are gone; stored in compliant contacts
     std::vector<SurfaceSpeed> surfaceSpeeds; ///< sorted by body and fixture
     std::vector<VetoedPair> vetoes;          ///< pairs that must not collide in this frame, sorted
-    std::vector<Passage> passages;           ///< open ones
+    std::vector<StoppedBody> stopped;        ///< by rods without room, in a frame to come
     std::vector<Overlap> overlaps;           ///< pairs that cross without having moved there, sorted
 
     /// Force of the specimen on the machine in the last step, N (sum over machine bodies and holds).

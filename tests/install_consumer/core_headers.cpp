@@ -14,7 +14,7 @@ int main() {
     const supercircle::step::World& world = std::as_const(shells).world();
     const auto pose = shells.pose(*shell);
     const bool state = world.gravity.norm() == 0.0 && world.rods.size() == 1 && world.nextKey == 2 &&
-                       world.crossheadTravel.norm() == 0.0 && world.nextPart == 1 && world.passages.empty();
+                       world.crossheadTravel.norm() == 0.0 && world.nextPart == 1 && world.stopped.empty();
     const supercircle::rod::Arc arc{{0.0, 0.0}, 0.5, 2.0, 1.0};
     const bool numbers =
         (arc.tangentAt(0.0) - supercircle::rod::Vec2(supercircle::math::cos(0.5), supercircle::math::sin(0.5)))

@@ -105,7 +105,7 @@ export interface World {
   /** Work a step, about 1 us of a core each; 0: no limit. Game quality only. */
   setFrameBudget(work: number): void;
   /** What becomes of crushed shells. */
-  setCrushPolicy(policy: "wait" | "let_through" | "freeze"): void;
+  setCrushPolicy(policy: "wait" | "stop" | "freeze"): void;
   readonly recovery: Recovery;
   /** What becomes of quarantined shells. */
   setRecovery(recovery: Partial<Recovery>): void;

@@ -3,7 +3,7 @@
 import { Body, Force, Hold, Joint, MouseJoint, Shell, Zone, choice, json, set } from "./parts.js";
 
 const QUALITIES = { laboratory: "SC_QUALITY_LABORATORY", game: "SC_QUALITY_GAME" };
-const CRUSH = { wait: "SC_CRUSH_WAIT", let_through: "SC_CRUSH_LET_THROUGH", freeze: "SC_CRUSH_FREEZE" };
+const CRUSH = { wait: "SC_CRUSH_WAIT", stop: "SC_CRUSH_STOP", freeze: "SC_CRUSH_FREEZE" };
 const EVENTS = ["contact_begin", "contact_end", "impulse", "snap_begin", "snap_end", "quarantined", "crushed", "broke",
   "overlap", "hold_blocked", "zone_enter", "zone_leave"];
 const PARTS_OF_EVENTS = { a: Shell, b: Shell, body: Body, zone: Zone, hold: Hold, joint: Joint };

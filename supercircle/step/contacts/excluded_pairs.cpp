@@ -25,8 +25,6 @@ void collectExcluded(const World& world, ContactStage& stage) {
             stage.detection.excluded.push_back(pairOf(l.rodA, l.rodB));
         else if (!l.collide && l.end == LinkEnd::Body)
             stage.detection.excluded.push_back(pairOf(l.rodA, l.body));
-    for (const Passage& p : world.passages)
-        stage.detection.excluded.push_back(pairOf(p.rod, p.body));
     std::sort(stage.detection.excluded.begin(), stage.detection.excluded.end());
 }
 

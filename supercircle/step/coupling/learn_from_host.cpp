@@ -1,6 +1,7 @@
 // After the host's own step: what its constraints did to the bodies.
 
 #include "supercircle/step/coupling/sleeping_bodies.h"
+#include "supercircle/step/crush.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@ namespace supercircle::step {
 void learnFromHost(World& world, const Settings& settings, Port& port, double advanced, HostCouplingWork& work) {
     if (!(advanced > 0.0))
         return;
+    resumeInHost(world, port);
     port.impulses(advanced, world.constraints);
     // A body that the host has lost to bad numbers must not spoil its neighbours.
     std::erase_if(world.constraints.contacts,

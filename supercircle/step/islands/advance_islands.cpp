@@ -1,5 +1,6 @@
 // A frame of several islands.
 
+#include "supercircle/step/crush.h"
 #include "supercircle/step/stages/stages.h"
 #include "supercircle/step/stages/stepper_workspace.h"
 #include "supercircle/support/invariants.h"
@@ -97,11 +98,13 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
             if (part.meets) {
                 joined.push_back(*part.meets);
                 complete = false;
-            } else if (island.end.advanced < target) { // late, or it cannot go on
+            } else if (island.end.advanced < target) {       // late, it cannot go on, or something must stop
+                addCrushed(out.crushed, island.end.crushed); // another round to this time does not find them
                 out.budgetExhausted = out.budgetExhausted || island.end.budgetExhausted;
                 if (out.failure.empty())
                     out.failure = island.end.failure;
                 target = island.end.advanced;
+                std::erase_if(out.crushed, [&](const Crushed& c) { return c.time > world.time + target; });
                 complete = k == 0; // those before it have gone farther
                 ++late;
             }
@@ -117,7 +120,7 @@ FrameResult Stepper::advanceIslands(World& world, double frame, Port* port, Fram
     for (std::size_t k = 0; k < w.islands.count; ++k) {
         const FrameResult& end = w.islands.slots[w.islands.order[k]]->end;
         out.gained += end.gained;
-        out.crushed.insert(out.crushed.end(), end.crushed.begin(), end.crushed.end());
+        addCrushed(out.crushed, end.crushed);
         out.broken.insert(out.broken.end(), end.broken.begin(), end.broken.end());
     }
     returnIslands(world, w.islands);

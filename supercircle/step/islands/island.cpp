@@ -60,9 +60,6 @@ std::uint32_t rodOf(const VetoedPair& v) {
 std::uint32_t rodOf(const Overlap& o) {
     return o.rodA;
 }
-std::uint32_t rodOf(const Passage& p) {
-    return p.rod;
-}
 
 /// The island of a node; null: it has none.
 Island* islandOf(const Partition& p, const Islands& islands, Node node) {
@@ -281,7 +278,6 @@ void takeIslands(const World& world, const Partition& p, Islands& islands) {
     distribute(world, p, islands, &World::impulses);
     distribute(world, p, islands, &World::sleepingImpulses);
     distribute(world, p, islands, &World::overlaps);
-    distribute(world, p, islands, &World::passages);
     distribute(world, p, islands, &World::vetoes);
     sortByWeight(islands);
 }
@@ -335,7 +331,6 @@ void returnIslands(World& world, Islands& islands) {
     collect(world, islands, &World::impulses);
     collect(world, islands, &World::sleepingImpulses);
     collect(world, islands, &World::overlaps);
-    collect(world, islands, &World::passages);
     sortById(world.impulses);
     sortById(world.sleepingImpulses);
     std::sort(world.overlaps.begin(), world.overlaps.end(),

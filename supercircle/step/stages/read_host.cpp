@@ -4,6 +4,7 @@
 #include "supercircle/step/contacts/gap_closing.h"
 #include "supercircle/step/coupling/host_coupling.h"
 #include "supercircle/step/coupling/sleeping_bodies.h"
+#include "supercircle/step/crush.h"
 #include "supercircle/step/islands/reach.h"
 #include "supercircle/step/sleep.h"
 #include "supercircle/step/stages/stages.h"
@@ -150,6 +151,8 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
                 b.state = old.state;
             else if (!b.driven && !b.dynamic && !old.driven && !old.dynamic && !isIn(reading.jumped, id))
                 followPlacement(old, std::max(frame, shortStep(settings)), b.thicknessNear, reach, b);
+            if (!b.driven && !b.dynamic && !world.stopped.empty())
+                standStill(world, old, b);
             b.force = old.force;
             b.woken = old.woken;
             b.stillTime = old.stillTime;

@@ -19,7 +19,7 @@ from .parts import Body, Force, Hit, Hold, Joint, MouseJoint, Part, Shell, Zone
 
 __all__ = ["World", "Scene", "Event", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "DrawList", "wav"]
 QUALITIES = {"laboratory": _api.SC_QUALITY_LABORATORY, "game": _api.SC_QUALITY_GAME}
-CRUSH = {"wait": _api.SC_CRUSH_WAIT, "let_through": _api.SC_CRUSH_LET_THROUGH, "freeze": _api.SC_CRUSH_FREEZE}
+CRUSH = {"wait": _api.SC_CRUSH_WAIT, "stop": _api.SC_CRUSH_STOP, "freeze": _api.SC_CRUSH_FREEZE}
 EVENTS = {_api.SC_CONTACT_BEGIN: "contact_begin", _api.SC_CONTACT_END: "contact_end", _api.SC_IMPULSE: "impulse",
           _api.SC_SNAP_BEGIN: "snap_begin", _api.SC_SNAP_END: "snap_end", _api.SC_QUARANTINED: "quarantined",
           _api.SC_CRUSHED: "crushed", _api.SC_BROKE: "broke", _api.SC_OVERLAP: "overlap",
@@ -230,7 +230,7 @@ class World:
         self._call("set_frame_budget", work)
 
     def set_crush_policy(self, policy: str) -> None:
-        """What becomes of crushed shells: "wait", "let_through" or "freeze"."""
+        """What becomes of crushed shells: "wait", "stop" or "freeze"."""
         self._call("set_crush_policy", _convert.choice(policy, CRUSH, "policy"))
 
     @property

@@ -96,7 +96,8 @@ struct OverlapEvent {
 };
 
 /// Given motions leave a shell no room: a kinematic body presses it against something that does not yield, or a hold is
-/// driven into a body. No motion of the shell satisfies them. Shells::set_crush_policy says how it ends.
+/// driven into a body. No motion of the shell satisfies them. Shells::set_crush_policy says how it ends. The event
+/// comes again whenever a body that stood for it tries to go on in vain.
 struct CrushedEvent {
     double time = 0.0; ///< s
     ShellHandle shell{};

@@ -47,15 +47,15 @@ enum class Quality : std::uint8_t {
 /// the event.
 enum class CrushPolicy : std::uint8_t {
     Wait, ///< steps get shorter and shorter, in Quality::Game the frames slower; the default of Quality::Laboratory
-    /// The body passes through the shell, and collides with it again once they are apart, 0.25 s later at the earliest.
-    /// A driven hold stops where it is. The default of Quality::Game.
-    LetThrough,
+    /// The frame ends early, and the body stands for 0.25 s or until it turns back: a kinematic body gets its velocity
+    /// back in post_step, one that was put forward is put back. A driven hold stops. The default of Quality::Game.
+    Stop,
     Freeze ///< the shell is quarantined (FrameEvents::quarantined); a driven hold stops
 };
 
 /// What one frame did.
 struct FrameReport {
-    double advanced = 0.0; ///< s; less than dt when stopped, out of budget or failed
+    double advanced = 0.0; ///< s; less than dt when stopped, out of budget or failed, or when a shell was crushed
     union {
         bool budget_exhausted = false; ///< Quality::Game: the budget of the frame was used up, the rest of dt left out
         [[deprecated("use budget_exhausted")]] bool late;

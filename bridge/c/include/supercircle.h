@@ -587,8 +587,9 @@ SC_API sc_status sc_world_event_settings(sc_world w, sc_event_settings* out);
 
 /// The state of shells and bodies. Shells go on bitwise; Box2D forgets the warm start of dynamic bodies.
 SC_API int32_t sc_world_save(sc_world w, uint8_t* out, int32_t capacity);
-/// Back to a state of a world with the same bodies. Handles of shells are valid again if the state is one of the last
-/// sixteen that this world saved, else all of them are stale and sc_world_shells lists new ones.
+/// Back to a state of a world with the same bodies; those made since then stay. Handles of shells are valid again if
+/// the state is one of the last sixteen that this world saved, else all of them are stale and sc_world_shells lists new
+/// ones.
 SC_API sc_status sc_world_restore(sc_world w, const uint8_t* bytes, int32_t count);
 /// Records every call that changes shells; calls that change bodies are not recorded. `seed` is your own.
 SC_API sc_status sc_log_start(sc_world w, uint64_t seed);

@@ -174,7 +174,7 @@ export interface World {
 
   /** The state of shells and bodies. */
   save(): Uint8Array;
-  /** Back to a state of a world with the same bodies. Shells are valid again if it is one of the last sixteen saves of
+  /** Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is one of the last sixteen saves of
    * this world; else shells() lists new ones. */
   restore(state: Uint8Array): void;
   /** Records every call that changes shells. `seed` is your own. */

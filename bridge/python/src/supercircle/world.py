@@ -466,7 +466,7 @@ class World:
         return _bytes(lambda out, capacity: int(self._call("save", out, capacity)))
 
     def restore(self, state: bytes) -> None:
-        """Back to a state of a world with the same bodies. Shells are valid again if it is one of the last sixteen
+        """Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is one of the last sixteen
         saves of this world; else shells() lists new ones."""
         self._call("restore", state, len(state))
 

@@ -31,6 +31,9 @@ constexpr double kMaxMass = 1e20;
 constexpr double kMinMass = 1e-20;   // its inverse must be a float as well
 constexpr double kMinInertia = 1e-4; // of the part about the origin: Box2D subtracts the rest in single precision
 
+/// Of shapes that are too small for Box2D's tolerances.
+const std::string kRemedy = "raise the length scale: lengthScale of a scene, units_per_metre of a world";
+
 bool bounded(double v, double limit) {
     return std::abs(v) <= limit;
 } // false for NaN
@@ -65,15 +68,15 @@ std::string checkPolygon(const std::vector<Vec2>& v, double scale) {
         for (std::size_t j = 0; j < i; ++j) {
             if ((v[i] - v[j]).norm() * scale < b2_linearSlop)
                 return "vertices " + std::to_string(j) + " and " + std::to_string(i) +
-                       " are closer than Box2D's tolerance of " + number(b2_linearSlop / scale) +
-                       " m (raise lengthScale)";
+                       " are closer than Box2D's tolerance of " + number(b2_linearSlop / scale) + " m (" + kRemedy +
+                       ")";
         }
     }
     if (std::abs(turned - 2.0 * M_PI) > 0.1)
         return "the polygon winds around more than once";
     if (sign * signedArea(v) * scale * scale < kMinArea)
-        return "the polygon's area is below Box2D's limit of " + number(kMinArea / (scale * scale)) +
-               " m^2 (raise lengthScale)";
+        return "the polygon's area is below Box2D's limit of " + number(kMinArea / (scale * scale)) + " m^2 (" +
+               kRemedy + ")";
     return {};
 }
 
@@ -88,7 +91,7 @@ std::string checkChain(const FixtureDefinition& f, double scale) {
         const Vec2 edge = v[i] - v[(i + v.size() - 1) % v.size()];
         if (edge.norm() * scale < 1.01 * b2_linearSlop)
             return "the edge that ends at vertex " + std::to_string(i) + " is shorter than Box2D's tolerance of " +
-                   number(b2_linearSlop / scale) + " m (raise lengthScale)";
+                   number(b2_linearSlop / scale) + " m (" + kRemedy + ")";
     }
     return {};
 }
@@ -110,7 +113,7 @@ std::string checkFixture(const FixtureDefinition& f, double scale) {
             return "the circle's centre is not finite or farther out than " + number(kMaxLength / scale) + " m";
         if (!bounded(f.radius, kMaxLength / scale) || f.radius * scale < 1e-3)
             return "the circle's radius must lie between " + number(1e-3 / scale) + " and " +
-                   number(kMaxLength / scale) + " m";
+                   number(kMaxLength / scale) + " m (for smaller ones " + kRemedy + ")";
         return {};
     case ShapeKind::Polygon:
         return checkPolygon(f.vertices, scale);

@@ -7,12 +7,19 @@
 
 using namespace supercircle::c;
 using supercircle::BodyId;
+using supercircle::step::BodyDefinition;
+using supercircle::step::BodyType;
+using supercircle::step::FixtureDefinition;
+using supercircle::step::RigidWorldDefinition;
+using supercircle::step::ShapeKind;
+using supercircle::step::Vec2;
 
 namespace {
 
 constexpr double kFarthest = 1e6; ///< in Box2D units: beyond it floats resolve a tenth of a unit
 
-constexpr double kFastest = 1e12; ///< in Box2D units per second, rad/s: far below overflow
+constexpr int32_t kMostPoints = 10000; ///< of a line: twice as many cost twice the memory of a fixture list
+constexpr double kFastest = 1e12;      ///< in Box2D units per second, rad/s: far below overflow
 
 float hostNumber(double number, const char* what) {
     if (!(std::abs(number) < kFarthest))
@@ -58,7 +65,83 @@ std::vector<b2Vec2> outlineOf(const b2Shape& shape) {
     return points;
 }
 
+FixtureDefinition shapeOf(const sc_body_def& d, const sc_point* points, int32_t count) {
+    const bool byPoints = d.shape == SC_SHAPE_POLYGON || d.shape == SC_SHAPE_LINE;
+    if (count < 0 || count > kMostPoints || (count > 0) != (points != nullptr) || (count > 0) != byPoints)
+        refuse(SC_BAD_INPUT, byPoints ? "a polygon or line needs its points, at most 10000"
+                                      : "a box or circle has no points: pass null and 0");
+    if (d.shape == SC_SHAPE_LINE && d.type == SC_BODY_DYNAMIC)
+        refuse(SC_BAD_INPUT, "a line has no mass: make the body static or kinematic");
+    FixtureDefinition f;
+    f.density = d.density;
+    f.friction = d.friction;
+    f.restitution = d.restitution;
+    f.filterCategoryBits = bits16(d.category, "the category");
+    f.filterMaskBits = bits16(d.mask, "the mask");
+    f.filterGroupIndex = group16(d.group);
+    f.radius = d.radius;
+    for (int32_t i = 0; i < count; ++i)
+        f.vertices.emplace_back(points[i].x, points[i].y);
+    if (d.shape == SC_SHAPE_CIRCLE)
+        f.shape = ShapeKind::Circle;
+    if (d.shape == SC_SHAPE_LINE) {
+        f.shape = ShapeKind::Chain;
+        f.twoSided = true;
+    }
+    if (d.shape == SC_SHAPE_BOX) {
+        if (!(d.width > 0.0 && d.height > 0.0))
+            refuse(SC_BAD_INPUT, "a box needs a width and a height above 0 (m)");
+        for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}})
+            f.vertices.emplace_back(x * d.width, y * d.height);
+    }
+    return f;
+}
+
 } // namespace
+
+void sc_body_def_init(sc_body_def* def) {
+    if (def == nullptr)
+        return;
+    const FixtureDefinition f;
+    *def = {};
+    def->size = sizeof *def;
+    def->type = SC_BODY_DYNAMIC;
+    def->density = f.density;
+    def->friction = f.friction;
+    def->gravity_scale = 1.0;
+    def->category = f.filterCategoryBits;
+    def->mask = f.filterMaskBits;
+}
+
+sc_status sc_body_create(sc_world w, const sc_body_def* def, const char* name, const sc_point* points, int32_t count,
+                         sc_body* out) {
+    return use(w, [&](World& x) {
+        given(out, "the result");
+        x.requireUnlocked();
+        const sc_body_def d = versioned(def, sc_body_def_init, sizeof(sc_body_def), "sc_body_def_init");
+        requireChoice(d.type, 3, "type");
+        requireChoice(d.shape, 4, "shape");
+        BodyDefinition b;
+        b.name = name != nullptr ? nameOf(name, "the name") : "";
+        b.type = static_cast<BodyType>(d.type);
+        b.position = {d.position.x, d.position.y};
+        b.angle = d.angle;
+        b.linearVelocity = {d.velocity.x, d.velocity.y};
+        b.angularVelocity = d.spin;
+        b.linearDamping = d.linear_damping;
+        b.angularDamping = d.angular_damping;
+        b.gravityScale = d.gravity_scale;
+        b.fixedRotation = d.fixed_rotation != 0;
+        b.bullet = d.bullet != 0;
+        b.fixtures.push_back(shapeOf(d, points, count));
+        RigidWorldDefinition rigid;
+        rigid.gravity = x.attachment->gravity();
+        rigid.bodies.push_back(std::move(b));
+        if (const std::string why = x.attachment->build(rigid); !why.empty())
+            refuse(SC_BAD_INPUT, why);
+        *out = x.outBody(x.attachment.body_id(*x.box2d->GetBodyList())); // the list begins with the youngest
+    });
+}
 
 sc_status sc_body_find(sc_world w, const char* name, sc_body* out) {
     return use(w, [&](World& x) {

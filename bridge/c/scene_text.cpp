@@ -27,11 +27,11 @@ std::vector<scene::Problem> hostProblems(const scene::Scene& s, const std::strin
 
 Result<scene::Scene> load(const std::string& text, const std::string& file,
                           const std::vector<std::pair<std::string, double>>& parameters,
-                          std::vector<scene::Problem>& problems) {
+                          std::vector<scene::Problem>& problems, std::optional<double> fragmentOf = {}) {
     std::vector<scene::Override> overrides;
     for (const auto& [name, value] : parameters)
         overrides.push_back({name, value});
-    auto loaded = scene::loadText(text, file, overrides, problems);
+    auto loaded = scene::loadText(text, file, overrides, problems, fragmentOf);
     if (!loaded)
         return loaded;
     const std::vector<scene::Problem> more = hostProblems(*loaded, file);
@@ -63,9 +63,10 @@ std::vector<std::pair<std::string, double>> parametersOf(const char* json) {
 }
 
 scene::Scene readScene(const std::string& text, const std::string& file,
-                       const std::vector<std::pair<std::string, double>>& parameters, std::string* notes) {
+                       const std::vector<std::pair<std::string, double>>& parameters, std::string* notes,
+                       std::optional<double> fragmentOf) {
     std::vector<scene::Problem> problems;
-    auto loaded = load(text, file, parameters, problems);
+    auto loaded = load(text, file, parameters, problems, fragmentOf);
     if (!loaded)
         refuse(SC_BAD_INPUT, loaded.error());
     for (const scene::Problem& p : problems)

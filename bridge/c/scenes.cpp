@@ -80,7 +80,7 @@ sc_status sc_world_add(sc_world w, const char* json, int32_t bytes) {
     return use(w, [&](World& x) {
         x.requireUnlocked();
         supercircle::FrameReport report;
-        const scene::Scene s = readScene(textOf(json, bytes, "the scene"), "fragment", {}, &report.note);
+        const scene::Scene s = readScene(textOf(json, bytes, "the scene"), "fragment", {}, &report.note, x.scale);
         refuseWhole(s);
         std::vector<ShellHandle> made;
         try {

@@ -71,26 +71,42 @@ int chords(double curvature, double length, double tolerance) {
     return static_cast<int>(std::clamp(std::ceil(0.5 * angle / std::max(half, 1e-9)), 1.0, 4096.0));
 }
 
+/// What a definition begins with.
+void fill(sc_shell_def& def, const ShellDef& d) {
+    def = {};
+    def.size = sizeof def;
+    def.elements = d.elements;
+    def.opening = d.phi_bar;
+    def.radius = d.radius;
+    def.thickness = d.thickness;
+    def.width = d.width;
+    def.density = d.density;
+    def.young_modulus = d.young_modulus;
+    def.friction = d.mu;
+    def.damping_ratio = d.damping_ratio;
+    def.tip_refinement = d.tip_refinement;
+    def.category = d.category;
+    def.mask = d.mask;
+}
+
 } // namespace
 
 void sc_shell_def_init(sc_shell_def* def) {
-    if (def == nullptr)
-        return;
-    const ShellDef d;
-    *def = {};
-    def->size = sizeof *def;
-    def->elements = d.elements;
-    def->opening = d.phi_bar;
-    def->radius = d.radius;
-    def->thickness = d.thickness;
-    def->width = d.width;
-    def->density = d.density;
-    def->young_modulus = d.young_modulus;
-    def->friction = d.mu;
-    def->damping_ratio = d.damping_ratio;
-    def->tip_refinement = d.tip_refinement;
-    def->category = d.category;
-    def->mask = d.mask;
+    if (def != nullptr)
+        fill(*def, ShellDef{});
+}
+
+sc_status sc_shell_def_scaled_init(sc_shell_def* def, double radius, double mass, double opening, double stiffness) {
+    return shielded([&] {
+        given(def, "the definition");
+        for (const auto& [number, what] :
+             {std::pair{radius, "the radius"}, {mass, "the mass"}, {stiffness, "the stiffness"}})
+            if (!(number > 0.0 && std::isfinite(number)))
+                refuse(SC_BAD_INPUT, std::string(what) + " must be a finite number above 0");
+        if (!(opening > 0.0 && opening <= 1.0))
+            refuse(SC_BAD_INPUT, "the opening (angle / 2 pi) must be above 0 and at most 1");
+        fill(*def, supercircle::scaled_shell(radius, mass, opening, stiffness));
+    });
 }
 
 sc_status sc_shell_create_bent(sc_world w, const sc_shell_def* def, const char* name, const double* natural_curvature,

@@ -11,7 +11,7 @@ namespace {
 
 /// A frame that did not begin: the input is at fault.
 bool isBadInput(const FrameReport& report) {
-    return report.advanced == 0.0 && report.failure.rfind("pre_step: ", 0) == 0;
+    return report.advanced == 0.0 && report.failure.rfind("dt: ", 0) == 0;
 }
 
 /// Box2D ends the process when a body's numbers overflow.

@@ -113,8 +113,8 @@ def records(api):
 # Section of the reference: its names, in their order. A test compares them with the package.
 SECTIONS = {
     "Laboratory": ["run", "sweep", "check", "import_recording", "replay", "diagnose", "scenes", "effects", "check_scene"],
-    "Results": ["Result", "Series", "Sweep", "Check", "Problem", "Imported", "Replay", "Curve", "Diagnosis", "Effect", "Estimate"],
-    "Worlds": ["World", "Scene", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "Event", "DrawList", "wav"],
+    "Results": ["Result", "Series", "Sweep", "Check", "Problem", "Imported", "Replay", "Curve", "Diagnosis", "Nominal", "Effect", "Estimate"],
+    "Worlds": ["World", "Scene", "Shell", "Hold", "Joint", "MouseJoint", "Force", "Body", "Zone", "Hit", "Event", "DrawList", "scaled_shell", "wav"],
     "Records": list(RECORDS.values()),
     "Exceptions": ["Error", "BadInputError", "StaleError", "BusyError", "RefusedError", "FailedError", "OutOfMemoryError", "VersionError",
                    "LibraryError"],

@@ -22,6 +22,7 @@ SOURCES = ["../../plugin/graphics/picture/canvas.js", "loader/loader.js", "loade
 NUMBERS = {"double": ("d", "number"), "int32_t": ("i", "number"), "uint32_t": ("i", "number"), "uint64_t": ("u", "bigint")}
 ARRAYS = {"double": "Float64Array", "float": "Float32Array", "int32_t": "Int32Array", "uint8_t": "Uint8Array", "sc_point": "Float64Array"}
 # Numbers in a struct that say yes or no, and 64-bit members that are more than a count.
+GIVEN = {"uint8_t": "Uint8Array", "sc_point": "Points"}  # arrays that are given
 FLAG = re.compile(r"^1: ")
 FLAGS = {"quarantined", "asleep", "awake"}
 WIDE = {"id", "user_data"}
@@ -89,7 +90,7 @@ class Api:
                 out.append((name, "t", "string | null", None))
             elif constant and re.search(r"(^|_)count$", follows):
                 rest.pop(0)
-                out.append((name, "]" + target, "Uint8Array" if target == "uint8_t" else "Numbers", None))
+                out.append((name, "]" + target, GIVEN.get(target, "Numbers"), None))
             elif constant:
                 out.append((name, "<" + target, f"Partial<{record(target)}> | null", None))
             elif follows == "capacity":

@@ -35,12 +35,15 @@ std::string notOnShells(const Effect& e) {
     return what + "it acts on rigid bodies of a recorded experiment (supercircle-identify replay)";
 }
 
+std::string unknown(const std::string& key) {
+    return effects::unknownEffect(key) + " (the catalogue of effects describes all of them)";
+}
+
 /// Reads a definition; the error names the nearest key or parameter.
 Result<Setting> read(const EffectDef& definition) {
     const Effect* effect = effects::find(definition.key);
     if (effect == nullptr)
-        return Result<Setting>::failure(effects::unknownEffect(definition.key) +
-                                        " (effect_catalog() describes all of them)");
+        return Result<Setting>::failure(unknown(definition.key));
     if (std::string why = notOnShells(*effect); !why.empty())
         return Result<Setting>::failure(std::move(why));
     Setting setting = effects::off(*effect);
@@ -157,7 +160,7 @@ Status Shells::remove_effect(EffectTarget target, const std::string& key) {
     return impl_->change([&] {
         const Effect* effect = effects::find(key);
         if (effect == nullptr)
-            return refused(effects::unknownEffect(key) + " (effect_catalog() describes all of them)");
+            return refused(unknown(key));
         Status changed = impl_->changeEffects(target, [&](Settings& list) { erase(list, effect->key); });
         if (changed)
             impl_->recorder.record(Call::RemoveEffect, target, key);

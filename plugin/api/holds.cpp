@@ -51,7 +51,7 @@ Status Shells::set_target(HoldHandle hold, const TargetDef& to) {
         if (!found.constraint)
             return refused(kNoSuchConstraint);
         if (found.constraint->onCrosshead)
-            return refused("this hold is attached to the crosshead: set_crosshead_velocity moves it");
+            return refused("this hold is attached to the crosshead: the velocity of the crosshead moves it");
         if (!isPossible(to))
             return refused("position and angle must be finite and within 1e12 (m, rad), velocity and spin within 1e9");
         step::wake(impl_->world, found.index);

@@ -20,7 +20,7 @@ Status checkDefinition(const JointDef& d) {
     if (d.kind != JointKind::Pin && d.kind != JointKind::Weld && d.kind != JointKind::Tether)
         return refused("a joint is a pin, a weld or a tether");
     if (!isFraction(d.arc_fraction) || !isFraction(d.other_fraction))
-        return refused("arc_fraction and other_fraction must lie between 0 and 1");
+        return refused(kBadFraction);
     if (!limits::position(d.point))
         return refused(limits::kTooFar);
     if (!(d.length >= 0.0) || !(d.length < limits::kFarthest))
@@ -28,7 +28,7 @@ Status checkDefinition(const JointDef& d) {
     if (!d.other.null() && d.body != 0)
         return refused("a joint has one other end: a shell or a body, not both");
     if (d.other.null() && d.body == 0 && d.kind != JointKind::Tether)
-        return refused("a pin or weld needs a shell or a body at its other end (create_hold attaches it to the world)");
+        return refused("a pin or weld needs a shell or a body at its other end; a hold attaches a shell to the world");
     return {};
 }
 
@@ -60,7 +60,7 @@ Result<JointHandle> Shells::create_joint(const JointDef& d) {
             return R::failure(kNoSuchShell);
         step::BodyState body;
         if (d.body != 0 && (!impl_->port || !impl_->port->state(d.body, body)))
-            return R::failure("the host has no such body");
+            return R::failure("there is no such body");
         const step::Rod& rodA = impl_->rod(a);
         const bool tether = d.kind == JointKind::Tether;
         step::Link l;
@@ -97,7 +97,7 @@ Result<JointHandle> Shells::create_joint(const JointDef& d) {
         l.length = l.goal = d.length > 0.0 ? d.length : apart;
         if (tether && !(l.length >= apart * (1.0 - 1e-9)))
             return R::failure("the tether is shorter than the present distance of " + std::to_string(apart) +
-                              " m: make it that long, then shorten it with set_max_length");
+                              " m: make it that long, then shorten its largest length");
         if (tether && !(l.length > 0.0))
             return R::failure("a tether between two points in the same place needs a length");
         l.key = impl_->world.nextPart++;

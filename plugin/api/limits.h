@@ -29,7 +29,7 @@ constexpr double kScale =
 
 inline const char* const kTooFar = "positions must be finite and within 1e12 m";
 inline const char* const kTooStrong = "forces and impulses must be finite, and so must the velocity they cause";
-inline const char* const kBadFriction = "mu must lie between 0 and 1e9";
+inline const char* const kBadFriction = "the friction coefficient must lie between 0 and 1e9";
 inline const char* const kBadDamping = "damping_ratio must be at most 100; a negative one is that of the quality";
 
 inline bool damping(double ratio) {

@@ -185,7 +185,7 @@ Status Shells::set_friction_material(BodyId body, FrictionMaterial material) {
     return impl_->change([&] {
         step::BodyState state;
         if (body == 0 || !impl_->port || !impl_->port->state(body, state))
-            return refused("the host has no such body");
+            return refused("there is no such body");
         auto& list = impl_->world.bodyMaterials;
         const auto it = std::lower_bound(list.begin(), list.end(), body,
                                          [](const step::BodyMaterial& b, BodyId want) { return b.body < want; });
@@ -203,7 +203,7 @@ Status Shells::set_surface_speed(BodyId body, double speed, std::uint32_t fixtur
     return impl_->change([&] {
         step::BodyState state;
         if (body == 0 || !impl_->port || !impl_->port->state(body, state))
-            return refused("the host has no such body");
+            return refused("there is no such body");
         if (!limits::velocity({speed, 0.0}, 0.0))
             return refused("the surface speed must be finite");
         auto& list = impl_->world.surfaceSpeeds;
@@ -244,7 +244,7 @@ Status Shells::set_pair_filter(std::function<bool(const PairQuery&)> filter) {
 Result<BodyId> Shells::body(const std::string& name) const {
     return Impl::withoutExceptions([&] {
         const step::BodyId id = impl_->port ? impl_->port->find(name) : 0;
-        return id != 0 ? Result<BodyId>(id) : Result<BodyId>::failure("the host has no body called '" + name + "'");
+        return id != 0 ? Result<BodyId>(id) : Result<BodyId>::failure("there is no body called '" + name + "'");
     });
 }
 

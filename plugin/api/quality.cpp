@@ -37,7 +37,7 @@ Quality Shells::quality() const {
 Status Shells::set_frame_budget(std::uint64_t work) {
     return impl_->change([&] {
         if (quality() != Quality::Game)
-            return refused("only Quality::Game has a frame budget");
+            return refused("only game quality has a frame budget");
         impl_->stepper.settings().frameWork = work;
         impl_->recorder.record(Call::SetFrameBudget, work);
         return done();

@@ -303,7 +303,7 @@ Result<ShellSection> Shells::section(ShellHandle shell, double arc_fraction) con
     if (i < 0)
         return noShell<ShellSection>();
     if (!(arc_fraction >= 0.0 && arc_fraction <= 1.0))
-        return Result<ShellSection>::failure("arc_fraction must lie between 0 and 1");
+        return Result<ShellSection>::failure(kBadFraction);
     const step::Rod& rod = impl_->rod(i);
     const rod::RodDefinition& d = rod.model.definition();
     const double s = arc_fraction * d.length;

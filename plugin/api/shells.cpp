@@ -130,7 +130,7 @@ Status Shells::attach_to_crosshead(const std::string& body_name) {
     return impl_->change([&] {
         const step::BodyId id = impl_->port ? impl_->port->find(body_name) : 0;
         if (id == 0)
-            return refused("the host has no body called '" + body_name + "'");
+            return refused("there is no body called '" + body_name + "'");
         step::wakeAll(impl_->world);
         impl_->world.crossheadBodies.push_back(id);
         impl_->recorder.record(Call::AttachToCrosshead, body_name);
@@ -204,12 +204,12 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         return report;
     }
     if (!(dt >= kShortest) || !std::isfinite(dt)) {
-        report.failure = "pre_step: the frame must be 0 (a pause) or a positive number of seconds, 1e-12 at least";
+        report.failure = "dt: a frame lasts 0 s (a pause), or 1e-12 s at least";
         m.advanced = 0.0;
         return report;
     }
     if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
-        report.failure = "pre_step: a frame may last " + std::to_string(longest) + " s at most; take several";
+        report.failure = "dt: a frame lasts " + std::to_string(longest) + " s at most; take several";
         m.advanced = 0.0;
         return report;
     }

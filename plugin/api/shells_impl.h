@@ -151,6 +151,6 @@ inline void setPendingTarget(const TargetDef& to, step::Target& target) {
     target.path.toSpin = to.spin;
     target.pending = true;
 }
-inline const char* const kBadFraction = "arc_fraction must lie between 0 and 1";
+inline const char* const kBadFraction = "the place along a shell must lie between 0 and 1, its two ends";
 
 } // namespace supercircle

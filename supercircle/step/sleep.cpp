@@ -230,7 +230,7 @@ std::string putToSleep(World& world, std::size_t rod) {
     if (world.rods[rod].frozen())
         return {};
     if (world.range.size() != world.rods.size())
-        return "its contacts are not known yet: call it after the next pre_step";
+        return "its contacts are not known yet: call it after the next step";
     Islands islands = findIslands(world);
     const std::size_t root = islands.root(rod);
     if (islands.busy[root])

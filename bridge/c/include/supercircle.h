@@ -77,6 +77,12 @@ enum { SC_BASE_FIXED, SC_BASE_MOVING };
 enum { SC_JOINT_PIN, SC_JOINT_WELD, SC_JOINT_TETHER };
 enum { SC_CRUSH_WAIT, SC_CRUSH_STOP, SC_CRUSH_FREEZE };
 enum { SC_BODY_STATIC, SC_BODY_KINEMATIC, SC_BODY_DYNAMIC };
+enum {
+    SC_SHAPE_BOX,     ///< `width` times `height` about the body's origin
+    SC_SHAPE_CIRCLE,  ///< of `radius` about the body's origin
+    SC_SHAPE_POLYGON, ///< 3 to 8 points, convex
+    SC_SHAPE_LINE     ///< 2 or more points, solid from both sides; without mass
+};
 enum { SC_QUARANTINE_NOT_FINITE, SC_QUARANTINE_RUNAWAY, SC_QUARANTINE_CRUSHED };
 enum {
     SC_CONTACT_BEGIN,
@@ -287,6 +293,29 @@ typedef struct sc_event_settings {
     double snap_energy;       ///< least energy released, in B / L, 1
     double snap_time;         ///< in L^2 sqrt(lambda / B), 1
 } sc_event_settings;
+typedef struct sc_body_def {
+    int32_t size;           ///< set by sc_body_def_init
+    int32_t type;           ///< SC_BODY_...
+    int32_t shape;          ///< SC_SHAPE_...
+    int32_t fixed_rotation; ///< 1: it does not turn
+    sc_point position;      ///< of its origin, m
+    double angle;           ///< rad
+    sc_point velocity;      ///< m/s
+    double spin;            ///< rad/s
+    double width;           ///< of a box, m
+    double height;          ///< of a box, m
+    double radius;          ///< of a circle, m
+    double density;         ///< kg/m^2
+    double friction;        ///< coefficient, 1
+    double restitution;     ///< between bodies; shells ignore it, 1
+    double linear_damping;  ///< 1/s
+    double angular_damping; ///< 1/s
+    double gravity_scale;   ///< 1
+    uint32_t category;      ///< collision filter as in Box2D, 16 bits
+    uint32_t mask;          ///< 16 bits
+    int32_t group;          ///< 16 bits
+    int32_t bullet;         ///< 1: fast ones do not pass other dynamic bodies
+} sc_body_def;
 typedef struct sc_body_state {
     sc_point centre;   ///< of mass, m
     double angle;      ///< rad
@@ -379,6 +408,10 @@ SC_API sc_status sc_world_find_shell(sc_world w, const char* name, sc_shell* out
 
 /// The paper's shell: PET-G, R = 19.2 mm, h = 0.5 mm, opening 0.75.
 SC_API void sc_shell_def_init(sc_shell_def* def);
+/// For games: a shell of any `radius` (m) and `mass` (kg) that sags, rolls and snaps under 9.81 m/s^2 as the paper's
+/// does. Its width is 1 m. `opening` as in the definition; `stiffness` (1) multiplies the bending stiffness.
+SC_API sc_status sc_shell_def_scaled_init(sc_shell_def* def, double radius, double mass, double opening,
+                                          double stiffness);
 /// `name` and `natural_curvature` (1/m, one for all elements or one each) may be null; `count` is of the curvatures.
 SC_API sc_status sc_shell_create(sc_world w, const sc_shell_def* def, const char* name, const double* natural_curvature,
                                  int32_t count, sc_shell* out);
@@ -485,8 +518,13 @@ SC_API int32_t sc_force_valid(sc_world w, sc_force f);
 SC_API sc_status sc_force_set(sc_world w, sc_force f, sc_point force, double torque);
 SC_API sc_status sc_force_destroy(sc_world w, sc_force f);
 
-/* ---- rigid bodies: made from scene JSON (all shapes and joints of the scene format), then moved by handle */
+/* ---- rigid bodies: made from a definition, or from scene JSON (several shapes, joints), then moved by handle */
 
+/// A dynamic box of 1 kg/m^2 without a size, friction 0.2.
+SC_API void sc_body_def_init(sc_body_def* def);
+/// A body of one shape. `points` (m, from its origin) are those of a polygon or line, else null; `name` may be null.
+SC_API sc_status sc_body_create(sc_world w, const sc_body_def* def, const char* name, const sc_point* points,
+                                int32_t count, sc_body* out);
 /// Adds the bodies, joints, shells, holds and effects of a scene; the world keeps its gravity and scale. A fragment has
 /// no drop, protocol or game. All problems stand in sc_error(), one a line.
 SC_API sc_status sc_world_add(sc_world w, const char* json, int32_t bytes);
@@ -549,8 +587,9 @@ SC_API sc_status sc_world_event_settings(sc_world w, sc_event_settings* out);
 
 /// The state of shells and bodies. Shells go on bitwise; Box2D forgets the warm start of dynamic bodies.
 SC_API int32_t sc_world_save(sc_world w, uint8_t* out, int32_t capacity);
-/// Back to a state of a world with the same bodies. Handles of shells are valid again if the state is one of the last
-/// sixteen that this world saved, else all of them are stale and sc_world_shells lists new ones.
+/// Back to a state of a world with the same bodies; those made since then stay. Handles of shells are valid again if
+/// the state is one of the last sixteen that this world saved, else all of them are stale and sc_world_shells lists new
+/// ones.
 SC_API sc_status sc_world_restore(sc_world w, const uint8_t* bytes, int32_t count);
 /// Records every call that changes shells; calls that change bodies are not recorded. `seed` is your own.
 SC_API sc_status sc_log_start(sc_world w, uint64_t seed);

@@ -100,14 +100,15 @@ function write(core, kind, value) {
   return at;
 }
 
-/** Address and length of numbers or bytes; one number stands for an array with it. */
+/** Address and length of numbers, bytes or points; one number stands for an array with it. */
 function putArray(core, kind, value, name) {
   if (value === null || value === undefined) return [0, 0];
-  const items = new ARRAYS[kind](typeof value === "number" ? [value] : value);
+  const flat = kind === "sc_point" && Array.isArray(value) ? value.flatMap(pointOf) : value;
+  const items = new ARRAYS[kind](typeof flat === "number" ? [flat] : flat);
   if (kind === "double" && items.some(Number.isNaN)) throw badInput(`${name} has a value that is not a number`);
   const at = core.take(items.byteLength);
   core.bytes.set(new Uint8Array(items.buffer, items.byteOffset, items.byteLength), at);
-  return [at, items.length];
+  return [at, kind === "sc_point" ? items.length >> 1 : items.length];
 }
 
 /** A copy of an array in the module's memory. */

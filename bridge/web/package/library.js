@@ -27,6 +27,7 @@ export async function load(source = null) {
     Scene, Shell, Hold, Joint, MouseJoint, Force, Body, Zone,
     checkScene: (scene, file = "scene") => JSON.parse(core.calls.sc_scene_check(json(scene), file)),
     effects: () => JSON.parse(core.calls.sc_effects()),
+    scaledShell: (radius, mass, { opening = 0.75, stiffness = 1 } = {}) => core.calls.sc_shell_def_scaled_init(radius, mass, opening, stiffness),
     wav: (samples) => core.calls.sc_sound_wav(samples),
     calls: core.calls,
     constants: CONSTANTS,

@@ -4,6 +4,8 @@
 /** x and y. */
 export type Point = [number, number];
 export type PointLike = readonly [number, number] | Float64Array | { x: number; y: number };
+/** Points, or x and y in turn. */
+export type Points = readonly PointLike[] | Float64Array | null;
 /** One number for all elements, or one each. */
 export type Numbers = number | ArrayLike<number> | null;
 export type Handle = bigint | { readonly id: bigint } | null;
@@ -47,6 +49,8 @@ export interface Supercircle {
   checkScene(scene: SceneSource, file?: string): Problem[];
   /** The catalogue of effects. */
   effects(): EffectInfo[];
+  /** For games: a shell of radius (m) and mass (kg) that sags, rolls and snaps as the paper's does, for createShell. */
+  scaledShell(radius: number, mass: number, options?: { opening?: number; stiffness?: number }): ShellDef;
   /** Samples of World.sound as a WAV file: mono, 48000 a second. */
   wav(samples: Float32Array): Uint8Array;
   /** The C interface, call by call. */
@@ -137,6 +141,8 @@ export interface World {
   /** Removes an effect of all shells. */
   removeEffect(key: string): void;
 
+  /** A rigid body of one shape about its origin; several shapes and joints come by add(). */
+  createBody(definition: BodyDefinition): Body;
   /** Adds bodies, joints, shells, holds and effects from scene JSON; gravity and scale stay. */
   add(fragment: SceneSource): void;
   /** All bodies, oldest first. */
@@ -168,7 +174,7 @@ export interface World {
 
   /** The state of shells and bodies. */
   save(): Uint8Array;
-  /** Back to a state of a world with the same bodies. Shells are valid again if it is one of the last sixteen saves of
+  /** Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is one of the last sixteen saves of
    * this world; else shells() lists new ones. */
   restore(state: Uint8Array): void;
   /** Records every call that changes shells. `seed` is your own. */
@@ -206,6 +212,25 @@ export type ShellDefinition = Omit<Partial<ShellDef>, "position" | "velocity"> &
   naturalCurvature?: Numbers;
   /** At the start, 1/m, one each; left out: the natural one. */
   curvature?: ArrayLike<number> | null;
+};
+
+/** One of box, circle, polygon and line. */
+export type BodyDefinition = Omit<Partial<BodyDef>, "type" | "shape" | "width" | "height" | "radius" | "position" | "velocity"> & {
+  name?: string;
+  /** "dynamic" if left out. */
+  type?: "static" | "kinematic" | "dynamic";
+  /** Width and height, m. */
+  box?: PointLike;
+  /** Radius, m. */
+  circle?: number;
+  /** 3 to 8 corners, m, convex. */
+  polygon?: Points;
+  /** 2 or more points, m, solid from both sides. */
+  line?: Points;
+  /** Of its origin, m. */
+  position?: PointLike;
+  /** m/s */
+  velocity?: PointLike;
 };
 
 /** A scene that is played in a world. */

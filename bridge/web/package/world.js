@@ -1,5 +1,6 @@
 // A world with shells and rigid bodies, and scenes played in it.
 
+import { badInput } from "../loader/loader.js";
 import { Body, Force, Hold, Joint, MouseJoint, Shell, Zone, choice, json, set } from "./parts.js";
 
 const QUALITIES = { laboratory: "SC_QUALITY_LABORATORY", game: "SC_QUALITY_GAME" };
@@ -7,6 +8,8 @@ const CRUSH = { wait: "SC_CRUSH_WAIT", stop: "SC_CRUSH_STOP", freeze: "SC_CRUSH_
 const EVENTS = ["contact_begin", "contact_end", "impulse", "snap_begin", "snap_end", "quarantined", "crushed", "broke",
   "overlap", "hold_blocked", "zone_enter", "zone_leave"];
 const PARTS_OF_EVENTS = { a: Shell, b: Shell, body: Body, zone: Zone, hold: Hold, joint: Joint };
+const BODIES = { static: "SC_BODY_STATIC", kinematic: "SC_BODY_KINEMATIC", dynamic: "SC_BODY_DYNAMIC" };
+const SHAPES = { box: "SC_SHAPE_BOX", circle: "SC_SHAPE_CIRCLE", polygon: "SC_SHAPE_POLYGON", line: "SC_SHAPE_LINE" };
 const LAYERS = Object.fromEntries(Object.keys(CONSTANTS).filter((name) => name.startsWith("SC_LAYER_")).map((name) => [name.slice(9).toLowerCase(), name]));
 
 /** Worlds that are forgotten without dispose() are ended when their object is collected. */
@@ -138,6 +141,14 @@ export class World {
   }
 
   // bodies
+  createBody({ name = "", type = "dynamic", box, circle, polygon, line, ...definition } = {}) {
+    const given = Object.entries({ box, circle, polygon, line }).filter(([, value]) => value !== undefined && value !== null);
+    if (given.length !== 1) throw badInput(`a body has one of ${Object.keys(SHAPES).join(", ")}, not ${given.map(([shape]) => shape).join(" and ") || "none of them"}`);
+    const [[shape, value]] = given;
+    const size = shape === "box" ? { width: value[0] ?? value.x, height: value[1] ?? value.y } : shape === "circle" ? { radius: value } : {};
+    const def = { ...this.core.calls.sc_body_def_init(), ...set(definition), ...size, type: choice(type, BODIES, "type"), shape: choice(shape, SHAPES, "shape") };
+    return new Body(this, this.with("sc_body_create", def, name, shape === "polygon" || shape === "line" ? value : null));
+  }
   add(fragment) {
     this.call("add", json(typeof fragment === "object" ? { schema: "supercircle-scene/1", ...fragment } : fragment));
   }

@@ -168,7 +168,7 @@ std::string Session::populate() {
             released_.push_back(*made);
     }
     if (scene_.protocol && !scene_.protocol->body.empty() && !shells_.attach_to_crosshead(scene_.protocol->body))
-        return "protocol: the host has no body called \"" + scene_.protocol->body + "\"";
+        return "protocol: there is no body called \"" + scene_.protocol->body + "\"";
     step::World& w = shells_.world();
     shells_.stepper().readHost(w, *host_, frame_);
     describeOutlines();

@@ -49,7 +49,7 @@ void noteRestitution(Context& context, ObjectReader& top, const Scene& scene) {
                      "(docs/how-to/rigid_bodies_and_limits.md)");
 }
 
-void readTop(Context& context, const std::vector<Override>& overrides, Scene& scene) {
+void readTop(Context& context, const std::vector<Override>& overrides, std::optional<double> fragmentOf, Scene& scene) {
     ObjectReader top(context, context.document.root(), "");
     if (!top.valid())
         return;
@@ -65,7 +65,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     scene.name = top.string("name", std::filesystem::path(scene.file).stem().string());
     if (context.document.root().find("about"))
         scene.about = top.string("about", "");
-    scene.rigid.lengthScale = top.number("lengthScale", scene.rigid.lengthScale, positive);
+    scene.rigid.lengthScale = top.number("lengthScale", fragmentOf.value_or(scene.rigid.lengthScale), positive);
     readRigid(context, top, scene.rigid);
     readShells(context, top, scene.shells);
     readHolds(context, top, scene.shells, scene.holds);
@@ -80,7 +80,7 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
     scene.duration = top.number("duration", scene.duration, notNegative);
     noteRestitution(context, top, scene);
     top.finish();
-    if (!scene.protocol && !scene.game && scene.duration == 0.0)
+    if (!fragmentOf && !scene.protocol && !scene.game && scene.duration == 0.0)
         context.note(context.document.root(), "", "neither \"protocol\" nor \"duration\": no time is simulated");
     scene.parameters = context.scope.parameters();
 }
@@ -88,14 +88,14 @@ void readTop(Context& context, const std::vector<Override>& overrides, Scene& sc
 } // namespace
 
 Result<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
-                       std::vector<Problem>& problems) {
+                       std::vector<Problem>& problems, std::optional<double> fragmentOf) {
     std::vector<Problem> found;
     Scene scene;
     if (const auto document = parseDocument(text, file, found)) {
         Scope scope;
         Context context{*document, found, scope};
         scene.file = file;
-        readTop(context, overrides, scene);
+        readTop(context, overrides, fragmentOf, scene);
     }
     problems.insert(problems.end(), found.begin(), found.end());
     return anyError(found) ? Result<Scene>::failure(errorText(found)) : Result<Scene>(std::move(scene));

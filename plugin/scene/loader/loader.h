@@ -6,6 +6,7 @@
 #include "plugin/scene/loader/scene.h"
 #include "supercircle/support/result.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,9 @@ namespace supercircle::scene {
 /// accompany a valid scene.
 Result<Scene> load(const std::string& path, const std::vector<Override>& overrides, std::vector<Problem>& problems);
 
-/// The same from a text; `file` is its name in messages.
+/// The same from a text; `file` is its name in messages. `fragmentOf`: the text is added to a world of that many
+/// host units per metre, which hold where it has no lengthScale; it needs neither protocol nor duration.
 Result<Scene> loadText(const std::string& text, const std::string& file, const std::vector<Override>& overrides,
-                       std::vector<Problem>& problems);
+                       std::vector<Problem>& problems, std::optional<double> fragmentOf = {});
 
 } // namespace supercircle::scene

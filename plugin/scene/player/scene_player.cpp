@@ -99,7 +99,7 @@ Status ScenePlayer::Impl::populate() {
         if (std::string why = port->build(scene.rigid); !why.empty())
             return Status::failure(std::move(why));
     if (scene.protocol && !scene.protocol->body.empty() && !shells->attach_to_crosshead(scene.protocol->body))
-        return Status::failure("protocol: the host has no body called \"" + scene.protocol->body + "\"");
+        return Status::failure("protocol: there is no body called \"" + scene.protocol->body + "\"");
     return {};
 }
 

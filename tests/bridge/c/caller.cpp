@@ -128,6 +128,29 @@ void Caller::fill(sc_shell_def& d) {
     if (bytes_.chance(kOdd))
         d.size = static_cast<std::int32_t>(bytes_.below(400));
 }
+void Caller::fill(sc_body_def& d) {
+    sc_body_def_init(&d);
+    d.type = static_cast<std::int32_t>(bytes_.below(bytes_.chance(10) ? 5 : 3));
+    d.shape = static_cast<std::int32_t>(bytes_.below(bytes_.chance(10) ? 6 : 4));
+    d.fixed_rotation = bytes_.chance(30) ? 1 : 0;
+    d.bullet = bytes_.chance(30) ? 1 : 0;
+    fill(d.position);
+    d.angle = bytes_.number(-7.0, 7.0, kOdd);
+    d.velocity = {bytes_.number(-1.0, 1.0, kOdd), bytes_.number(-1.0, 1.0, kOdd)};
+    d.spin = bytes_.number(-40.0, 40.0, kOdd);
+    d.width = bytes_.number(0.0, 0.1, kOdd);
+    d.height = bytes_.number(0.0, 0.1, kOdd);
+    d.radius = bytes_.number(0.0, 0.05, kOdd);
+    d.density = bytes_.number(0.0, 5.0, kOdd);
+    d.friction = bytes_.number(0.0, 1.0, kOdd);
+    d.restitution = bytes_.number(0.0, 1.0, kOdd);
+    d.linear_damping = bytes_.number(0.0, 1.0, kOdd);
+    d.angular_damping = bytes_.number(0.0, 1.0, kOdd);
+    d.gravity_scale = bytes_.number(-1.0, 2.0, kOdd);
+    d.category = 1U << bytes_.below(3);
+    if (bytes_.chance(kOdd))
+        d.size = static_cast<std::int32_t>(bytes_.below(400));
+}
 void Caller::fill(sc_joint_def& d) {
     sc_joint_def_init(&d);
     d.kind = static_cast<std::int32_t>(bytes_.below(bytes_.chance(10) ? 7 : 3));

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,7 @@ public:
 
     void fill(sc_world_def& d);
     void fill(sc_shell_def& d);
+    void fill(sc_body_def& d);
     void fill(sc_joint_def& d);
     void fill(sc_mouse_joint_def& d);
     void fill(sc_material& d);
@@ -95,6 +97,9 @@ private:
     struct Argument<T*> {
         explicit Argument(Caller& c) : caller(c), buffer(kBuffer) {
             c.fill(buffer.front());
+            if constexpr (std::is_same_v<T, const sc_point>) // corners of a polygon
+                for (std::size_t i = 1; i < 4; ++i)
+                    c.fill(buffer[i]);
             value = c.bytes().chance(12) ? nullptr : buffer.data();
         }
         void collect() {

@@ -30,10 +30,14 @@ def test_a_run_has_series_summary_and_pictures():
     page = r._repr_html_()
     ids = re.findall(r'\bid="([^"]+)"', page + r._repr_html_())
     assert page.count("<svg") == 4 and "peak_force_N" in page and len(ids) == len(set(ids))
-    with pytest.raises(AttributeError, match="time_s"):
+    with pytest.raises(AttributeError, match="did you mean force_N"):
         r.series.force
-    with pytest.raises(KeyError, match="time_s"):
+    with pytest.raises(KeyError, match="did you mean force_N"):
         r.series["force"]
+    with pytest.raises(KeyError, match="there are time_s, "):
+        r.series["pressure"]
+    with pytest.raises(KeyError, match="did you mean peak_force_N"):
+        r.summary["peak_force"]
 
 
 def test_scenes_are_names_paths_dicts_and_texts():
@@ -59,6 +63,11 @@ def test_a_sweep_has_columns():
     assert (s.where(mu=0.3)["peak_force_N"] > s.where(mu=0.1)["peak_force_N"]).all()
     with pytest.raises(KeyError, match="peak_force_N"):
         s["force"]
+    table = s.table()
+    assert list(table)[:2] == s.varied and {len(column) for column in table.values()} == {6}
+    assert (table["peak_force_N"] == s["peak_force_N"]).all() and "snap_type" in table
+    with pytest.raises(sc.BadInputError, match="numbers"):
+        sc.sweep("two_shells", mu=["a"])
     alone = sc.run("two_shells", mu=0.3, phi_bar=0.7, travel_over_R=0.2, pictures=False)
     assert s.where(mu=0.3, phi_bar=0.7)["peak_force_N"][0] == alone.summary["peak_force_N"]
     file = sc.sweep({"schema": "supercircle-sweep/1", "scene": str(SOURCE / "scenes/two_shells.json"), "fixed": SHORT}, seeds=[1, 2])

@@ -79,6 +79,31 @@ def test_bodies_joints_queries_zones_and_events():
         assert tether.reaction.force[1] > 0 and tether.length == pytest.approx(0.05, rel=1e-3)
 
 
+def test_bodies_by_definition_and_shells_of_any_size():
+    with sc.World() as world:
+        world.create_body("ground", type="static", line=[(-20, 0), (20, 0)])
+        crate = world.create_body("crate", box=(0.6, 0.4), density=2, position=(5, 1))
+        ball = world.create_body(circle=0.5, position=(-5, 2), velocity=(0, -1))
+        wedge = world.create_body(polygon=np.array([[0, 0], [1, 0], [0, 1]]), position=(8, 1), fixed_rotation=True)
+        assert [b.state.mass for b in (crate, ball, wedge)] == pytest.approx([0.48, np.pi / 4, 0.5], rel=1e-6)  # floats of Box2D
+        assert world.find_body("crate") == crate and len(world.bodies()) == 4
+        shell = world.create_shell(**sc.scaled_shell(1.0, 2.0, opening=0.5, stiffness=2), position=(0, 2))
+        assert shell.state.mass == pytest.approx(2)
+        for _ in range(120):
+            world.step()
+        assert [b.state.centre[1] for b in (crate, ball)] == pytest.approx([0.2, 0.5], abs=0.0151)  # Box2D's skin and slop, 10 and 5 mm
+        for given, words in [({}, "none of them"), (dict(box=(1, 1), circle=1), "box and circle"), (dict(box=(1, 0)), "height"),
+                             (dict(circle=-1), "radius"), (dict(circle="big"), "radius"), (dict(polygon=[(0, 0), (1, 0)]), "3 to 8"),
+                             (dict(polygon=[1, 2, 3]), "shape"), (dict(line=[(0, 0), (1, 0)]), "static"),
+                             (dict(circle=1, frction=1), "did you mean friction"), (dict(circle=1, type="fixed"), "kinematic"),
+                             (dict(circle=0.0005), "units_per_metre")]:
+            with pytest.raises(sc.BadInputError, match=words):
+                world.create_body(**given)
+        assert len(world.bodies()) == 4
+        with pytest.raises(sc.BadInputError, match="radius"):
+            sc.scaled_shell(0, 1)
+
+
 def test_saved_worlds_and_logs_repeat_to_the_bit():
     with sc.World() as world, sc.World() as other:
         shell = world.create_shell()

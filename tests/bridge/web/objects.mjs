@@ -96,6 +96,28 @@ test("bodies, joints, queries, zones and events", () => {
   world.dispose();
 });
 
+test("bodies by definition, and shells of any size", () => {
+  const world = new sc.World();
+  world.createBody({ name: "ground", type: "static", line: [[-20, 0], [20, 0]] });
+  const crate = world.createBody({ name: "crate", box: [0.6, 0.4], density: 2, position: [5, 1] });
+  const ball = world.createBody({ circle: 0.5, position: { x: -5, y: 2 }, velocity: [0, -1] });
+  const wedge = world.createBody({ polygon: new Float64Array([0, 0, 1, 0, 0, 1]), position: [8, 1] });
+  near(crate.state.mass, 0.48, 1e-6); // floats of Box2D
+  near(ball.state.mass, Math.PI / 4, 1e-6);
+  near(wedge.state.mass, 0.5, 1e-6);
+  assert.ok(world.findBody("crate").equals(crate) && world.bodies().length === 4);
+  const shell = world.createShell({ ...sc.scaledShell(1, 2, { opening: 0.5 }), position: [0, 2] });
+  near(shell.state.mass, 2, 1e-9);
+  for (let i = 0; i < 120; ++i) world.step();
+  near(crate.state.centre[1], 0.2, 0.0151); // Box2D's skin and slop, 10 and 5 mm
+  near(ball.state.centre[1], 0.5, 0.0151);
+  for (const [given, words] of [[{}, /none of them/], [{ box: [1, 1], circle: 1 }, /box and circle/], [{ box: [1, 0] }, /height/],
+    [{ circle: -1 }, /radius/], [{ polygon: [[0, 0], [1, 0]] }, /3 to 8/], [{ circle: 1, frction: 1 }, /friction/]])
+    assert.throws(() => world.createBody(given), refusal("bad_input", words), JSON.stringify(given));
+  assert.throws(() => sc.scaledShell(0, 1), refusal("bad_input", /radius/));
+  world.dispose();
+});
+
 test("saved worlds and logs repeat to the bit", () => {
   const world = new sc.World();
   const other = new sc.World();

@@ -21,6 +21,9 @@ const played: boolean = scene.finished;
 const hash: bigint = own.hash;
 own.add({ body: [] });
 own.findBody("b").setVelocity([0, 1]);
+own.createBody({ name: "crate", box: [0.6, 0.4], position: [0, 2], density: 2 }).setPose([1, 1]);
+own.createBody({ type: "static", line: [[-1, 0], { x: 1, y: 0 }] });
+own.createShell({ ...sc.scaledShell(1, 2, { stiffness: 3 }), position: [0, 4] });
 for (const hit of own.rayCast([0, 1], [0, -1])) console.log(hit.shell.id, hit.normal[1]);
 const state: Uint8Array = own.save();
 const raw: Float64Array = sc.calls.sc_shell_polyline(own, shell, 1e-5);
@@ -37,6 +40,8 @@ console.log(frame.leftOut, line, joint.reaction.force, push.valid, zone.shells, 
 
 // @ts-expect-error
 own.createShell({ radus: 1 });
+// @ts-expect-error
+own.createBody({ circle: "big" });
 // @ts-expect-error
 own.quality = "best";
 // @ts-expect-error

@@ -17,10 +17,10 @@ from ._files import scenes
 from ._loader import library_path, version
 from .errors import (BadInputError, BusyError, Error, FailedError, LibraryError, OutOfMemoryError, RefusedError, StaleError,
                      VersionError)
-from .lab import (Check, Curve, Diagnosis, Effect, Estimate, Imported, Replay, Result, Series, Sweep, check, diagnose,
+from .lab import (Check, Curve, Diagnosis, Effect, Estimate, Imported, Nominal, Replay, Result, Series, Sweep, check, diagnose,
                   import_recording, replay, run, sweep)
 from .records import (BodyState, Energy, EventSettings, Filter, Frame, Reaction, Recovery, Section, ShellState, Sleep, Target)
 from .world import (Body, DrawList, Event, Force, Hit, Hold, Joint, MouseJoint, Problem, Scene, Shell, World, Zone, check_scene, effects,
-                    wav)
+                    scaled_shell, wav)
 
 __version__ = "0.2.0"

@@ -29,6 +29,10 @@ SC_CRUSH_FREEZE = 2
 SC_BODY_STATIC = 0
 SC_BODY_KINEMATIC = 1
 SC_BODY_DYNAMIC = 2
+SC_SHAPE_BOX = 0
+SC_SHAPE_CIRCLE = 1
+SC_SHAPE_POLYGON = 2
+SC_SHAPE_LINE = 3
 SC_QUARANTINE_NOT_FINITE = 0
 SC_QUARANTINE_RUNAWAY = 1
 SC_QUARANTINE_CRUSHED = 2
@@ -317,6 +321,31 @@ class sc_event_settings(Structure):
     _fields_ = [("impulse_threshold", c_double), ("snap_energy", c_double), ("snap_time", c_double)]
 
 
+class sc_body_def(Structure):
+    size: int
+    type: int
+    shape: int
+    fixed_rotation: int
+    position: sc_point
+    angle: float
+    velocity: sc_point
+    spin: float
+    width: float
+    height: float
+    radius: float
+    density: float
+    friction: float
+    restitution: float
+    linear_damping: float
+    angular_damping: float
+    gravity_scale: float
+    category: int
+    mask: int
+    group: int
+    bullet: int
+    _fields_ = [("size", c_int32), ("type", c_int32), ("shape", c_int32), ("fixed_rotation", c_int32), ("position", sc_point), ("angle", c_double), ("velocity", sc_point), ("spin", c_double), ("width", c_double), ("height", c_double), ("radius", c_double), ("density", c_double), ("friction", c_double), ("restitution", c_double), ("linear_damping", c_double), ("angular_damping", c_double), ("gravity_scale", c_double), ("category", c_uint32), ("mask", c_uint32), ("group", c_int32), ("bullet", c_int32)]
+
+
 class sc_body_state(Structure):
     centre: sc_point
     angle: float
@@ -385,6 +414,7 @@ CALLS: Prototypes = {
     "sc_world_shells": (c_int32, (sc_world, c_void_p, c_int32, )),
     "sc_world_find_shell": (STATUS, (sc_world, c_char_p, c_void_p, )),
     "sc_shell_def_init": (None, (POINTER(sc_shell_def), )),
+    "sc_shell_def_scaled_init": (STATUS, (POINTER(sc_shell_def), c_double, c_double, c_double, c_double, )),
     "sc_shell_create": (STATUS, (sc_world, POINTER(sc_shell_def), c_char_p, c_void_p, c_int32, c_void_p, )),
     "sc_shell_create_bent": (STATUS, (sc_world, POINTER(sc_shell_def), c_char_p, c_void_p, c_int32, c_void_p, c_int32, c_void_p, )),
     "sc_shell_fits": (c_int32, (sc_world, POINTER(sc_shell_def), )),
@@ -441,6 +471,8 @@ CALLS: Prototypes = {
     "sc_force_valid": (c_int32, (sc_world, sc_force, )),
     "sc_force_set": (STATUS, (sc_world, sc_force, sc_point, c_double, )),
     "sc_force_destroy": (STATUS, (sc_world, sc_force, )),
+    "sc_body_def_init": (None, (POINTER(sc_body_def), )),
+    "sc_body_create": (STATUS, (sc_world, POINTER(sc_body_def), c_char_p, c_void_p, c_int32, c_void_p, )),
     "sc_world_add": (STATUS, (sc_world, c_char_p, c_int32, )),
     "sc_body_find": (STATUS, (sc_world, c_char_p, c_void_p, )),
     "sc_world_bodies": (c_int32, (sc_world, c_void_p, c_int32, )),
@@ -538,6 +570,7 @@ LAYOUT: dict[str, tuple[int, dict[str, int]]] = {
     "sc_hit": (64, {"shell": 0, "point": 8, "normal": 24, "fraction": 40, "arc_fraction": 48, "distance": 56}),
     "sc_event": (176, {"kind": 0, "reason": 4, "time": 8, "a": 16, "b": 24, "body": 32, "zone": 40, "hold": 48, "joint": 56, "arc_a": 64, "arc_b": 72, "point": 80, "normal": 96, "force": 112, "approach_speed": 128, "normal_impulse": 136, "friction_impulse": 144, "peak_force": 152, "energy_released": 160, "kinetic_peak": 168}),
     "sc_event_settings": (24, {"impulse_threshold": 0, "snap_energy": 8, "snap_time": 16}),
+    "sc_body_def": (152, {"size": 0, "type": 4, "shape": 8, "fixed_rotation": 12, "position": 16, "angle": 32, "velocity": 40, "spin": 56, "width": 64, "height": 72, "radius": 80, "density": 88, "friction": 96, "restitution": 104, "linear_damping": 112, "angular_damping": 120, "gravity_scale": 128, "category": 136, "mask": 140, "group": 144, "bullet": 148}),
     "sc_body_state": (72, {"centre": 0, "angle": 16, "velocity": 24, "spin": 40, "mass": 48, "inertia": 56, "type": 64, "awake": 68}),
     "sc_view": (72, {"size": 0, "width": 4, "height": 8, "layers": 12, "centre": 16, "pixels_per_metre": 32, "alpha": 40, "pixel_ratio": 48, "clock": 56, "reduced_motion": 64, "reserved": 68}),
 }

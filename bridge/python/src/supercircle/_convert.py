@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import difflib
 import json
 import os
 import pathlib
-from typing import Any, Callable, Mapping, Sequence, TypeVar, Union
+from typing import Any, Callable, Iterable, Mapping, Sequence, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,6 +67,34 @@ def numbers(value: ArrayLike | None) -> Floats:
         return np.ascontiguousarray(np.atleast_1d(np.asarray(value, dtype=np.float64)))
     except (TypeError, ValueError):
         raise BadInputError(f"expected numbers, got {value!r}") from None
+
+
+def corners(value: ArrayLike | None) -> Floats:
+    """Points as a contiguous array of shape (n, 2); None: no points."""
+    found = numbers(value)
+    if value is not None and (found.ndim != 2 or found.shape[1] != 2):
+        raise BadInputError(f"expected points as an array of shape (n, 2), got shape {found.shape}")
+    return found
+
+
+def fill(out: ctypes.Structure, values: Mapping[str, Any], what: str, without: Sequence[str] = ()) -> None:
+    """Sets members of a definition by name, but none of those in `without`."""
+    kinds = dict((field[0], field[1]) for field in out._fields_)
+    known = [name for name in kinds if name not in ("size", "reserved", *without)]
+    for name, value in values.items():
+        if name not in known:
+            raise BadInputError(f"{what} has no {unknown(name, known)}")
+        try:
+            setattr(out, name, point(value) if kinds[name] is _api.sc_point else value)
+        except TypeError:
+            raise BadInputError(f"{name} of {what} cannot be {value!r}") from None
+
+
+def unknown(name: str, known: Iterable[str]) -> str:
+    """A name that is not known, and the nearest one or all that are."""
+    names = list(known)
+    near = [n for n in names if n.startswith(name)] or difflib.get_close_matches(name, names, 1)
+    return f"{name}; did you mean {near[0]}?" if near else f"{name}; there are {', '.join(names) or 'none'}"
 
 
 def address(values: Floats) -> int | None:

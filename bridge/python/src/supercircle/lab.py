@@ -15,7 +15,7 @@ import re
 import signal
 import threading
 from dataclasses import dataclass, field
-from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from .world import Problem, problems_of
 
 Progress = Optional[Callable[[float, str], Optional[bool]]]
 Path = Union[str, "os.PathLike[str]"]
+Value = TypeVar("Value")
 _numbers = itertools.count(1)
 
 
@@ -85,34 +86,27 @@ def _done(kind: str, answer: Mapping[str, Any], result: Any) -> None:
         raise error
 
 
-class Series(Mapping[str, Floats]):
-    """Columns of a run by name, as items or attributes: series["force_N"], series.force_N. Each has shape (rows,)."""
+class Named(Dict[str, Value]):
+    """A dict whose KeyError names the nearest key, or all."""
 
-    def __init__(self, columns: Mapping[str, Floats]) -> None:
-        self._columns = dict(columns)
+    def __missing__(self, name: str) -> Value:
+        raise KeyError(_convert.unknown(name, self))
 
-    def __getitem__(self, name: str) -> Floats:
-        try:
-            return self._columns[name]
-        except KeyError:
-            raise KeyError(f"{name}; there are {', '.join(self._columns)}") from None
+
+class Series(Named[Floats]):
+    """Columns of a run by name, as items or attributes: series["force_N"], series.force_N. Each has shape (rows,). A
+    dict: pandas.DataFrame(series) has the same columns."""
 
     def __getattr__(self, name: str) -> Floats:
-        if name.startswith("_") or name not in self._columns:
-            raise AttributeError(f"no column {name}; there are {', '.join(self.__dict__.get('_columns', ()))}")
-        return self._columns[name]
+        if name.startswith("_") or name not in self:
+            raise AttributeError(f"no column {_convert.unknown(name, self)}")
+        return self[name]
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._columns]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
+        return [*super().__dir__(), *self]
 
     def __repr__(self) -> str:
-        return f"Series({', '.join(self)}; {len(next(iter(self._columns.values()), ()))} rows)"
+        return f"Series({', '.join(self)}; {len(next(iter(self.values()), ()))} rows)"
 
 
 @dataclass(repr=False)
@@ -132,7 +126,7 @@ class Result:
     message: str
     scene: str
     notes: list[str]
-    summary: dict[str, Any]
+    summary: Named[Any]
     series: Series
     events: list[dict[str, Any]]
     pictures: dict[str, str] = field(default_factory=dict)
@@ -180,7 +174,7 @@ def run(scene: SceneSource, *, parameters: Mapping[str, float] | None = None, se
     """
     answer = _ask("sc_lab_run", {**_scene(scene), "parameters": {**(parameters or {}), **more_parameters}, "seed": seed,
                                  "threads": threads, "fixed_dt_s": fixed_dt, "pictures": pictures, "motion": motion}, progress)
-    result = Result(answer["status"], answer["message"], answer["scene"], answer["notes"], answer["summary"],
+    result = Result(answer["status"], answer["message"], answer["scene"], answer["notes"], Named(answer["summary"]),
                     Series({k: _array(v) for k, v in answer["series"].items()}), answer["events"],
                     answer.get("pictures", {}), answer.get("motion"))
     _done("run", answer, result)
@@ -211,13 +205,21 @@ class Sweep:
             known |= parameters.keys() | summary.keys()
             values.append(row[name] if name in ("seed", "status") else parameters.get(name, summary.get(name)))
         if all(v is None for v in values) and name not in known:
-            raise KeyError(f"{name}; there are {', '.join(sorted(known))}")
+            raise KeyError(_convert.unknown(name, sorted(known)))
         if any(isinstance(v, str) for v in values):
             return np.array([v or "" for v in values])
         return np.array([v if isinstance(v, (int, float)) else np.nan for v in values], dtype=np.float64)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.column(name)
+
+    def table(self) -> dict[str, NDArray[Any]]:
+        """All columns: parameters (varied ones first), "seed", "status", numbers and words of the summaries. For
+        pandas.DataFrame(sweep.table())."""
+        names = dict.fromkeys([*self.varied, *(n for row in self.runs for n in row.get("parameters", {}))])
+        names |= {"seed": None, "status": None}
+        names |= dict.fromkeys(n for row in self.runs for n, v in (row.get("summary") or {}).items() if not isinstance(v, (dict, list)))
+        return {name: self.column(name) for name in names}
 
     def where(self, **parameters: float) -> Sweep:
         """The runs with these values."""
@@ -252,7 +254,7 @@ def sweep(scene: SceneSource, *, seeds: int | Sequence[int] | range | str = 1, j
             request["seeds"] = _seeds(seeds)
     else:
         where = _scene(scene)
-        varied = {k: np.asarray(v, dtype=float).ravel().tolist() for k, v in grid.items() if np.ndim(v) > 0}
+        varied = {k: _convert.numbers(v).ravel().tolist() for k, v in grid.items() if np.ndim(v) > 0}
         request["sweep"] = {"schema": "supercircle-sweep/1", "scene": os.path.abspath(where["file"]) if "file" in where else "scene.json",
                             "fixed": {k: float(v) for k, v in grid.items() if k not in varied}, **({"grid": varied} if varied else {}),
                             **({"cases": [dict(c) for c in cases]} if cases else {})}
@@ -338,7 +340,7 @@ def import_recording(*files: Path, texts: Sequence[str] | None = None, progress:
 class Curve:
     """Readings of a run, recorded and simulated, in `unit`.
 
-    time: s; displacement: m; recorded, simulated: the channel; all of shape (readings,)
+    time: s; displacement: m; recorded, simulated: the channel; all of shape (readings,), nan where nothing was recorded
     """
 
     run: str
@@ -431,6 +433,20 @@ class Effect:
 
 
 @dataclass(frozen=True)
+class Nominal:
+    """A value of the description, such as "friction".
+
+    stated, uncertainty: by the description, half-width of its interval; fitted: to the runs, without any effect
+    standardised_shift: (fitted - stated) / uncertainty; beyond +-1 it left the interval
+    """
+
+    stated: float
+    uncertainty: float
+    fitted: float
+    standardised_shift: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What physics a simulation of a recorded experiment leaves out.
 
@@ -439,6 +455,7 @@ class Diagnosis:
     statement: one or two sentences
     probability_adequate, misfit_p_value: nan if not computed
     effects: fitted effects, most probable first
+    nominal: values of the description by name, stated and fitted
     misfit_intervals: where the runs differ from the simulation, largest first
     next_experiment: what to record next; None: not open, not looked for, or nothing tells enough
     notes: what limits the result
@@ -451,6 +468,7 @@ class Diagnosis:
     probability_adequate: float
     misfit_p_value: float
     effects: list[Effect]
+    nominal: dict[str, Nominal]
     misfit_intervals: list[dict[str, Any]]
     next_experiment: dict[str, Any] | None
     notes: list[str]
@@ -493,6 +511,8 @@ def diagnose(experiment: Path, *, jobs: int | None = None, seed: int = 1, withou
     effects = [Effect(e["label"], e.get("slot", ""), e.get("law", ""), _number(e.get("probability")), _estimates(e.get("parameters")),
                       _estimates(e.get("derived")), list(e.get("confounded_with", [])), list(e.get("joint_with", [])))
                for e in found.get("effects", [])]
+    nominal = Named({name: Nominal(*(_number(v.get(key)) for key in ("stated", "uncertainty", "fitted", "standardised_shift")))
+                     for name, v in found.get("nominal", {}).items()})
     return Diagnosis(answer["status"], found.get("verdict", ""), found.get("statement", ""), _number(found.get("probability_adequate")),
-                     _number(found.get("misfit_p_value")), effects, found.get("misfit_intervals", []), found.get("next_experiment"),
+                     _number(found.get("misfit_p_value")), effects, nominal, found.get("misfit_intervals", []), found.get("next_experiment"),
                      [*answer["notes"], *found.get("notes", [])], found)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from . import _api, _convert, records
 from ._convert import Floats, Point
 from ._loader import core
+from .errors import Error
 
 if TYPE_CHECKING:
     from .world import World
@@ -68,6 +69,12 @@ class Shell(Part):
     """A flexible shell. Places on it are arc fractions from 0 to 1; 0.5 is the middle."""
 
     _kind = "shell"
+
+    def __repr__(self) -> str:
+        try:
+            return f"Shell({self.name!r}, centre {np.round(self.state.centre, 6).tolist()} m)"
+        except Error:
+            return super().__repr__()
 
     @property
     def name(self) -> str:
@@ -343,7 +350,7 @@ class Force(Part):
 
 
 class Body(Part):
-    """A rigid body of Box2D. World.add makes bodies from scene JSON."""
+    """A rigid body of Box2D. World.create_body and World.add make bodies."""
 
     _kind = "body"
 

@@ -24,6 +24,8 @@ EVENTS = {_api.SC_CONTACT_BEGIN: "contact_begin", _api.SC_CONTACT_END: "contact_
           _api.SC_SNAP_BEGIN: "snap_begin", _api.SC_SNAP_END: "snap_end", _api.SC_QUARANTINED: "quarantined",
           _api.SC_CRUSHED: "crushed", _api.SC_BROKE: "broke", _api.SC_OVERLAP: "overlap",
           _api.SC_HOLD_BLOCKED: "hold_blocked", _api.SC_ZONE_ENTER: "zone_enter", _api.SC_ZONE_LEAVE: "zone_leave"}
+BODIES = {"static": _api.SC_BODY_STATIC, "kinematic": _api.SC_BODY_KINEMATIC, "dynamic": _api.SC_BODY_DYNAMIC}
+SHAPES = {"box": _api.SC_SHAPE_BOX, "circle": _api.SC_SHAPE_CIRCLE, "polygon": _api.SC_SHAPE_POLYGON, "line": _api.SC_SHAPE_LINE}
 LAYERS = {"bodies": _api.SC_LAYER_BODIES, "shells": _api.SC_LAYER_SHELLS, "strain": _api.SC_LAYER_STRAIN,
           "contacts": _api.SC_LAYER_CONTACTS, "forces": _api.SC_LAYER_FORCES, "holds": _api.SC_LAYER_HOLDS,
           "snaps": _api.SC_LAYER_SNAPS}
@@ -134,6 +136,11 @@ class World:
         handle, self._handle = self._handle, _api.sc_world()
         if handle.id:
             core().sc_world_destroy(handle)
+
+    def __repr__(self) -> str:
+        if not self._handle.id:
+            return "World(closed)"
+        return f"World({len(self.shells())} shells, {len(self.bodies())} bodies, time {self.time:.6g} s)"
 
     def __enter__(self) -> World:
         return self
@@ -279,14 +286,7 @@ class World:
     def _shell_def(self, values: Mapping[str, Any]) -> _api.sc_shell_def:
         out = _api.sc_shell_def()
         core().sc_shell_def_init(byref(out))
-        known = [name for name, _ in _api.sc_shell_def._fields_ if name not in ("size", "reserved")]
-        for name, value in values.items():
-            if name not in known:
-                raise BadInputError(f"a shell has no {name}; it has {', '.join(known)}")
-            try:
-                setattr(out, name, _convert.point(value) if name in ("position", "velocity") else value)
-            except TypeError:
-                raise BadInputError(f"{name} of a shell cannot be {value!r}") from None
+        _convert.fill(out, values, "a shell")
         return out
 
     def create_shell(self, name: str = "", *, natural_curvature: ArrayLike | None = None,
@@ -345,6 +345,37 @@ class World:
         core().sc_shell_remove_effect(self._handle, _api.sc_shell(), _convert.encoded(key))
 
     # bodies
+
+    def create_body(self, name: str = "", *, box: Point | None = None, circle: float | None = None,
+                    polygon: ArrayLike | None = None, line: ArrayLike | None = None, type: str = "dynamic",
+                    **definition: Any) -> Body:
+        """A rigid body of one shape about its origin; several shapes and joints come by add().
+
+        box: width and height (m); circle: radius (m)
+        polygon: 3 to 8 corners (m), convex; line: 2 or more points (m), solid from both sides
+        type: "static", "kinematic" or "dynamic"
+        definition: position (m), angle (rad), velocity (m/s), spin (rad/s), density (1 kg/m^2), friction (0.2),
+            restitution, linear_damping (1/s), angular_damping (1/s), gravity_scale, fixed_rotation, bullet, category,
+            mask, group
+        """
+        shapes = {"box": box, "circle": circle, "polygon": polygon, "line": line}
+        given = [shape for shape, value in shapes.items() if value is not None]
+        if len(given) != 1:
+            raise BadInputError(f"a body has one of {', '.join(shapes)}, not {' and '.join(given) or 'none of them'}")
+        made, out = _api.sc_body_def(), _api.sc_body()
+        core().sc_body_def_init(byref(made))
+        _convert.fill(made, definition, "a body", ("type", "shape", "width", "height", "radius"))
+        made.type = _convert.choice(type, BODIES, "type")
+        made.shape = SHAPES[given[0]]
+        if box is not None:
+            size = _convert.point(box)
+            made.width, made.height = size.x, size.y
+        elif circle is not None:
+            _convert.fill(made, {"radius": circle}, "a body")
+        points = _convert.corners(polygon if polygon is not None else line)
+        core().sc_body_create(self._handle, byref(made), _convert.encoded(name or None), _convert.address(points), len(points),
+                              byref(out))
+        return Body(self, out)
 
     def add(self, fragment: Json) -> None:
         """Adds bodies, joints, shells, holds and effects from scene JSON; gravity and scale stay.
@@ -435,7 +466,7 @@ class World:
         return _bytes(lambda out, capacity: int(self._call("save", out, capacity)))
 
     def restore(self, state: bytes) -> None:
-        """Back to a state of a world with the same bodies. Shells are valid again if it is one of the last sixteen
+        """Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is one of the last sixteen
         saves of this world; else shells() lists new ones."""
         self._call("restore", state, len(state))
 
@@ -621,6 +652,17 @@ def check_scene(scene: SceneSource) -> list[Problem]:
     """Problems of a scene; [] if it is valid and there is nothing to remark. `scene` as of World.load."""
     text, name = _convert.source_text(scene, _files.find)
     return problems_of(json.loads(core().sc_scene_check(text, len(text), name.encode())))
+
+
+def scaled_shell(radius: float, mass: float, opening: float = 0.75, stiffness: float = 1.0) -> dict[str, Any]:
+    """For games: definition of a shell that sags, rolls and snaps under 9.81 m/s^2 as the paper's does, for
+    world.create_shell(**sc.scaled_shell(1.0, 2.0), position=(0, 4)).
+
+    radius: m; mass: kg; opening: angle / 2 pi; stiffness: factor of the bending stiffness
+    """
+    made = _api.sc_shell_def()
+    core().sc_shell_def_scaled_init(byref(made), radius, mass, opening, stiffness)
+    return {name: getattr(made, name) for name in ("radius", "opening", "thickness", "width", "density", "young_modulus")}
 
 
 def effects() -> list[dict[str, Any]]:

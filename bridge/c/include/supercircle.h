@@ -346,7 +346,8 @@ typedef struct sc_view {
 SC_API int32_t sc_api_version(void);
 /// Version of the program, such as "0.2.0".
 SC_API const char* sc_version(void);
-/// Why this thread's last call was refused: one sentence, or one line a problem. Empty if it was not.
+/// Why this thread's last call was refused: one sentence, or one line a problem. Empty if it was not. sc_version,
+/// sc_api_version and calls without a result cannot be refused and leave it as it is.
 SC_API const char* sc_error(void);
 /// Its status; says more than the NaN, 0 or null of a refused call.
 SC_API sc_status sc_error_status(void);

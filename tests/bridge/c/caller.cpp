@@ -79,6 +79,8 @@ const char* Caller::text() {
 }
 
 void Caller::check(const char* name, std::int64_t result, bool isCount) {
+    if (std::strcmp(name, "sc_api_version") == 0) // cannot be refused, and leaves the sentence of an earlier call
+        return;
     const std::string error = sc_error();
     if (error.empty()) {
         if (isCount && result < 0)

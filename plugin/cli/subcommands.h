@@ -66,6 +66,7 @@ struct SensitivityArguments {
     std::string file;
     std::vector<std::string> parameters; ///< NAME=VALUE
     std::vector<std::string> columns;    ///< names to vary, empty: all
+    std::string channel;                 ///< whose readings are differentiated; empty: the first one
     bool effects = false;                ///< the amplitudes of all effects too
     std::string out;                     ///< folder; empty: out/<name of the experiment's folder>_sensitivity
     int elements = 0;                    ///< arcs per specimen, 0: as the resolution has it
@@ -110,6 +111,7 @@ struct SweepArguments {
 
 struct CalibrateArguments {
     std::string file;                    ///< scene, or experiment
+    std::string channel;                 ///< of an experiment; empty: the first one
     std::string smooth, abrupt;          ///< opening angles tried, by outcome: "0.75,0.8"
     std::vector<std::string> parameters; ///< NAME=VALUE
     double angleUncertainty = 0.0;       ///< half-width of an opening angle / 2 pi

@@ -55,7 +55,7 @@ const Effect* find(std::string_view label);
 /// One effect with values, as given by a scene, a command line or a fit.
 struct Setting {
     Key key = Key::Count;
-    std::string shell = "all"; ///< name of a shell
+    std::string shell = "all"; ///< name of a shell; of a sensor that of a channel beside the first one
     Values values;
     bool operator==(const Setting&) const = default;
 };
@@ -66,8 +66,8 @@ Setting off(const Effect& effect);
 void setTypical(Setting& setting);
 /// Why there is no effect called `label`, with the nearest known one.
 std::string unknownEffect(std::string_view label);
-/// Sets a parameter from text: a number or one of its choices; parameter "shell" takes the name of a shell. Returns an
-/// empty string, or what is wrong and the nearest known name.
+/// Sets a parameter from text: a number or one of its choices; parameter "shell" takes the name of a shell, "channel"
+/// of a sensor that of a channel. Returns an empty string, or what is wrong and the nearest known name.
 [[nodiscard]] std::string set(Setting& setting, std::string_view parameter, std::string_view value);
 /// The same from a number.
 [[nodiscard]] std::string set(Setting& setting, std::string_view parameter, double value);
@@ -79,6 +79,8 @@ bool isOff(const Setting& setting);
 /// Empty, or which settings are inconsistent.
 [[nodiscard]] std::string validate(const std::vector<Setting>& settings);
 
+/// The sensor of a channel; "all": of the first one.
+SensorModel sensorOf(const std::vector<Setting>& settings, std::string_view channel);
 /// The model of the shell called `shell`: its own settings and those of all shells.
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell);
 /// Whether the effect acts on shells and their contacts, inside the step. Gravity is the host's; apparatus, sensor and

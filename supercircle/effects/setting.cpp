@@ -33,7 +33,7 @@ std::string bounds(const Parameter& p) {
 
 /// Empty, or that there is no such parameter.
 std::string findParameter(const Effect& effect, std::string_view name, std::size_t& index) {
-    std::vector<std::string> names{"shell"};
+    std::vector<std::string> names{effect.slot == Slot::Sensor ? "channel" : "shell"};
     std::string all;
     for (index = 0; index < effect.parameters.size(); ++index) {
         const std::string& known = effect.parameters[index].name;
@@ -112,6 +112,10 @@ std::string set(Setting& setting, std::string_view parameter, std::string_view v
         setting.shell = value;
         return {};
     }
+    if (parameter == "channel" && effect.slot == Slot::Sensor) {
+        setting.shell = value;
+        return {};
+    }
     std::size_t i = 0;
     if (std::string why = findParameter(effect, parameter, i); !why.empty())
         return why;
@@ -157,11 +161,22 @@ std::string validate(const std::vector<Setting>& settings) {
                 return "effect " + effect.name + ": " + why;
         for (std::size_t k = 0; k < i; ++k)
             if (settings[k].key == settings[i].key && !effect.repeatable &&
-                (settings[k].shell == settings[i].shell || settings[k].shell == "all" || settings[i].shell == "all"))
+                (settings[k].shell == settings[i].shell ||
+                 (effect.slot != Slot::Sensor && (settings[k].shell == "all" || settings[i].shell == "all"))))
                 return "effect " + effect.name + " is given twice" +
-                       (settings[i].shell == "all" ? "" : " to shell \"" + settings[i].shell + "\"");
+                       (settings[i].shell == "all" ? ""
+                                                   : (effect.slot == Slot::Sensor ? " to channel \"" : " to shell \"") +
+                                                         settings[i].shell + "\"");
     }
     return {};
+}
+
+SensorModel sensorOf(const std::vector<Setting>& settings, std::string_view channel) {
+    Model model;
+    for (const Setting& s : settings)
+        if (!isOff(s) && effectOf(s).slot == Slot::Sensor && s.shell == channel)
+            effectOf(s).apply(s.values, model);
+    return model.sensor;
 }
 
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell) {
@@ -195,7 +210,7 @@ std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::stri
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings) {
     std::vector<std::string> names;
     for (const Setting& s : settings)
-        if (s.shell != "all")
+        if (s.shell != "all" && effectOf(s).slot != Slot::Sensor)
             names.push_back(s.shell);
     return names;
 }

@@ -98,24 +98,30 @@ void simulateRuns(cli::Replay& all, Watch& watch) {
     }
 }
 
-/// Recorded and simulated readings, in the unit of the channel.
+/// Recorded and simulated readings of each run and channel, in the unit of the channel.
 Json curvesJson(const cli::Replay& all) {
-    const experiment::Channel& channel = experiment::channel(all.experiment);
-    const auto inUnit = [&](std::vector<double> values) {
-        for (double& v : values)
-            v *= channel.perUnit;
-        return numbersJson(values);
-    };
     Json out = Json::array();
-    for (std::size_t k = 0; k < all.runs.size(); ++k) {
-        const experiment::Readings& recorded = all.experiment.runs[k].readings;
+    const auto add = [&](std::size_t k, const experiment::Channel& channel, const std::vector<double>& recorded,
+                         const std::vector<double>& simulated) {
+        const auto inUnit = [&](std::vector<double> values) {
+            for (double& v : values)
+                v *= channel.perUnit;
+            return numbersJson(values);
+        };
         out.push_back({{"run", all.runs[k].name},
                        {"channel", channel.name},
                        {"unit", channel.unit},
-                       {"time_s", numbersJson(recorded.time)},
-                       {"displacement_m", numbersJson(recorded.displacement)},
-                       {"recorded", inUnit(recorded.force)},
-                       {"simulated", inUnit(all.runs[k].simulated.readings.force)}});
+                       {"time_s", numbersJson(all.experiment.runs[k].readings.time)},
+                       {"displacement_m", numbersJson(all.experiment.runs[k].readings.displacement)},
+                       {"recorded", inUnit(recorded)},
+                       {"simulated", inUnit(simulated)}});
+    };
+    for (std::size_t k = 0; k < all.runs.size(); ++k) {
+        const experiment::Readings &recorded = all.experiment.runs[k].readings,
+                                   &simulated = all.runs[k].simulated.readings;
+        add(k, experiment::channel(all.experiment), recorded.force, simulated.force);
+        for (std::size_t c = 0; c < recorded.further.size() && c < simulated.further.size(); ++c)
+            add(k, experiment::furtherChannels(all.experiment)[c].channel, recorded.further[c], simulated.further[c]);
     }
     return out;
 }
@@ -183,10 +189,8 @@ std::optional<Json> ensemblesAnswer(const Request& r) {
 }
 
 void requireDiagnosable(const Request& r, const experiment::Experiment& e) {
-    for (const experiment::Run& run : e.runs)
-        if (run.readings.time.size() < 20)
-            refuse(SC_BAD_INPUT, run.file + " has " + std::to_string(run.readings.time.size()) +
-                                     " rows; a diagnosis needs at least 20 readings of each run");
+    if (const std::string why = diagnosis::tooFewReadings(e); !why.empty())
+        refuse(SC_BAD_INPUT, why);
     std::vector<std::string> known;
     for (const effects::Effect& effect : effects::catalog())
         known.push_back(effect.name);

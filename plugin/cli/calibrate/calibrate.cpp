@@ -164,7 +164,7 @@ int fromSwitch(const CalibrateArguments& a) {
 int fromCurve(const CalibrateArguments& a) {
     if (!a.smooth.empty() || !a.abrupt.empty() || !a.parameters.empty())
         return complain(kBadInput, a.file + ": this is an experiment; --smooth, --abrupt and --param go with a scene");
-    const auto loaded = loadExperiment(a.file, a.quiet);
+    const auto loaded = loadExperiment(a.file, a.quiet, a.channel);
     if (!loaded)
         return kBadInput;
     ProgressLine line(a.quiet);

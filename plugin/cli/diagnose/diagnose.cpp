@@ -34,13 +34,11 @@ std::optional<experiment::Experiment> loadLongEnough(const DiagnoseArguments& a)
     auto loaded = loadExperiment(a.file, a.quiet);
     if (!loaded)
         return std::nullopt;
-    for (const experiment::Run& run : loaded->runs)
-        if (run.readings.time.size() < 20) {
-            std::fprintf(stderr, "%s: %s has %zu rows; a diagnosis needs at least 20 readings of each run\n",
-                         a.file.c_str(), run.file.c_str(), run.readings.time.size());
-            return std::nullopt;
-        }
-    return loaded;
+    const std::string why = diagnosis::tooFewReadings(*loaded);
+    if (why.empty())
+        return loaded;
+    std::fprintf(stderr, "%s: %s\n", a.file.c_str(), why.c_str());
+    return std::nullopt;
 }
 
 bool knownEffects(const std::vector<std::string>& labels) {

@@ -190,6 +190,8 @@ Subcommand describeSensitivity(CLI::App& app) {
     addParameters(*subcommand, a.parameters, kExperimentParameterHelp);
     addRepeatable(*subcommand, "--column", a.columns, "NAME: vary only this parameter (repeatable; default: all)")
         ->type_name("NAME");
+    subcommand->add_option("--channel", a.channel, "channel of a scene, by what it observes (default: the first one)")
+        ->type_name("NAME");
     subcommand->add_flag("--effects", a.effects, "vary the amplitudes of all effects too (supercircle effects)");
     subcommand
         ->add_option("--out", a.out,
@@ -242,6 +244,8 @@ Subcommand describeCalibrate(CLI::App& app) {
         ->check(positive)
         ->type_name("VALUE")
         ->capture_default_str();
+    subcommand->add_option("--channel", a.channel, "channel of a scene, by what it observes (default: the first one)")
+        ->type_name("NAME");
     addParameters(*subcommand, a.parameters);
     subcommand->add_option("--out", a.out, "folder for calibration.json (default: nothing is written)")
         ->type_name("DIR");

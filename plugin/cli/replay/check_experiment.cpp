@@ -124,13 +124,18 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
         for (const experiment::FurtherChannel& c : experiment::furtherChannels(*loaded))
             tell(c.channel, c.noise);
     }
-    for (const experiment::Run& run : loaded->runs)
-        std::printf(
-            "  %-16s %zu samples, %g s%s%s\n", run.file.c_str(), run.readings.time.size(),
-            run.driveTime.back() - run.driveTime.front(), run.markers.time.empty() ? "" : ", with markers",
-            run.specimen < 0
-                ? ""
-                : (", specimen " + loaded->scene->specimens[static_cast<std::size_t>(run.specimen)].id).c_str());
+    if (experiment::isTable(*loaded))
+        std::printf("  tables of states of rest, without times: effects that need a clock are not tried\n");
+    for (const experiment::Run& run : loaded->runs) {
+        std::printf("  %-16s %zu %s", run.file.c_str(), run.readings.time.size(),
+                    experiment::isTable(*loaded) ? "rows" : "samples");
+        if (!experiment::isTable(*loaded))
+            std::printf(", %g s%s", run.driveTime.back() - run.driveTime.front(),
+                        run.markers.time.empty() ? "" : ", with markers");
+        if (run.specimen >= 0)
+            std::printf(", specimen %s", loaded->scene->specimens[static_cast<std::size_t>(run.specimen)].id.c_str());
+        std::printf("\n");
+    }
     for (const replay::ParameterInfo& p : replay::parameterList(*loaded))
         std::printf("  %-20s %-12.6g +- %-10.3g %-6s %s\n", p.name.c_str(),
                     replay::get(values, *loaded, p.name).value_or(0.0), p.stated.halfWidth, p.unit.c_str(),
@@ -140,6 +145,8 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
             if (b.scale > 0.0)
                 std::printf("  batch: %s differs between specimens, by a standard deviation of the order of %g\n",
                             b.name.c_str(), b.scale);
+    if (const std::string why = diagnosis::tooFewReadings(*loaded); !why.empty())
+        std::printf("  no diagnosis: %s\n", why.c_str());
     if (parameters.empty())
         tellVisible(*loaded);
     return printed() ? kDone : kCannotWrite;

@@ -194,7 +194,7 @@ void print(const SensitivityStudy& study, const std::string& folder) {
 
 /// The experiment with its overrides as a model; empty after a message.
 std::optional<sensitivity::Model> prepare(const SensitivityArguments& a, SensitivityStudy& study) {
-    auto loaded = loadExperiment(a.file, a.quiet);
+    auto loaded = loadExperiment(a.file, a.quiet, a.channel);
     if (!loaded)
         return std::nullopt;
     study.experiment = std::move(*loaded);

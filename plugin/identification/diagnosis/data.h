@@ -98,6 +98,8 @@ struct RecordedData {
     std::string channel = "force";      ///< what RecordedRun::force holds
     std::string unit = "N";             ///< unit of that channel; degrees or mm for poses of free scenes
     bool free = false;                  ///< bodies move freely, and the simulation has no discretisation error
+    bool table = false;                 ///< rows are states of rest, without a clock
+    bool drivesLoad = false;            ///< RecordedRun::displacement is a load
     double statedForceNoise = 0.0;      ///< N, within about 30 %; 0: not stated
     double statedMarkerNoise = 0.0;     ///< m
     double displacementNoise = 0.0;     ///< m
@@ -122,6 +124,10 @@ struct RecordedData {
     /// twentieth of a run.
     [[nodiscard]] double usualCorrelationTime() const;
 };
+
+/// Why the runs of an experiment have too few readings for a diagnosis; empty: they have enough. A run needs 20. A
+/// table needs 6, and all tables together five more than there are numbers with an interval.
+std::string tooFewReadings(const experiment::Experiment& experiment);
 
 /// The recordings of an experiment. All rows of a run without readings are missing.
 RecordedData recordedDataOf(const experiment::Experiment& experiment);

@@ -97,6 +97,11 @@ private:
         [[nodiscard]] Eigen::VectorXd whiten(Eigen::VectorXd raw) const;
         [[nodiscard]] Eigen::VectorXd transposed(Eigen::VectorXd whitened) const;
     };
+    /// Recorded jumps of one channel that no channel before it shows.
+    struct ChannelJumps {
+        std::size_t channel = 0; ///< 0: the first one
+        std::vector<replay::Landmark> jumps;
+    };
     struct RunModel : ChannelModel {
         std::vector<ChannelModel> further;
         struct CommonShift {
@@ -104,8 +109,9 @@ private:
             double sigma = 0.0;            ///< m, prior standard deviation of their shift
         };
         std::vector<CommonShift> shifts;
-        std::vector<replay::Landmark> jumps;
-        Eigen::MatrixXd jumpFactor; ///< L L' = covariance of their times, s
+        std::vector<ChannelJumps> jumping;
+        std::vector<replay::Landmark> jumps; ///< all of them, one channel after the other
+        Eigen::MatrixXd jumpFactor;          ///< L L' = covariance of their times, s
     };
     /// Times of the recorded jumps in a simulation, s (the farthest allowed if absent), and the masked intervals.
     struct SimulatedJumps {
@@ -115,8 +121,15 @@ private:
     };
     [[nodiscard]] SimulatedJumps simulatedJumpsOf(std::size_t run, const Response& simulated) const;
     [[nodiscard]] bool complete(std::size_t run, const Response& simulated) const;
+    /// A run with a channel in place of the force; 0: the run itself.
+    [[nodiscard]] const RecordedRun& runOf(std::size_t run, std::size_t channel) const {
+        return channel == 0 ? data_.runs[run] : further_[channel - 1].runs[run];
+    }
+    [[nodiscard]] static Response inChannel(const Response& all, std::size_t channel) {
+        return channel == 0 ? all : all.withChannel(channel - 1);
+    }
     void interpolateAllMasked(std::size_t run, const TimeRanges& maskedRanges, RawDifference& d) const;
-    void addJumps(const RecordedRun& run, const Response& fine, const Response& finer, const LikelihoodSettings& s,
+    void addJumps(std::size_t run, const Response& fine, const Response& finer, const LikelihoodSettings& s,
                   RunModel& model) const;
     static void addSnapShifts(const RecordedRun& run, double sigma, RunModel& model);
     /// Rows of a further channel in a run.
@@ -130,6 +143,7 @@ private:
     static void addStrokeShifts(const RecordedRun& run, double sigma, RunModel& model);
 
     const RecordedData& data_;
+    std::vector<RecordedData> further_; ///< RecordedData::withChannel() of each further one
     Noise noise_;
     LikelihoodSettings settings_;
     std::vector<RunModel> runModels_;

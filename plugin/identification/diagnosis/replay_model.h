@@ -46,7 +46,7 @@ public:
     [[nodiscard]] std::string withoutParameters(const ParameterPoint& point) const;
 
 private:
-    void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Eigen::VectorXd& force) const;
+    void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Response& response) const;
     [[nodiscard]] std::string setNominal(replay::Parameters& parameters, std::size_t index, double value) const;
 
     const experiment::Experiment& experiment_;

@@ -4,8 +4,10 @@
 #include "plugin/identification/replay/multibody.h"
 #include "plugin/identification/replay/plane.h"
 #include "plugin/identification/replay/scene_of_run.h"
+#include "plugin/identification/replay/trace.h"
 #include "plugin/identification/replay/track.h"
 #include "supercircle/effects/backlash.h"
+#include "supercircle/effects/effect.h"
 #include "supercircle/effects/sensor.h"
 #include "supercircle/support/elementary.h"
 #include "supercircle/support/trig.h"
@@ -161,8 +163,7 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
     }
     for (std::size_t k = 0; k < e.scene->further.size(); ++k) {
         r.further.push_back(recorder.sampled(recorder.further(k), r.time));
-        for (double& v : r.further.back())
-            v += p.furtherZero[k];
+        readBy(effects::sensorOf(p.effects, e.scene->further[k].observe), r.time, p.furtherZero[k], r.further.back());
     }
     out.markers.time = run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
     for (std::size_t m = 0; m < e.markers.size(); ++m) {

@@ -226,8 +226,57 @@ std::vector<ParameterInfo> parameterList(const Experiment& e) {
     return all;
 }
 
-bool acts(const Experiment& experiment, effects::Key key) {
+namespace {
+
+/// What a channel of a scene observes; 0: the first one.
+const scene::Observation& observationOf(const Experiment& e, std::size_t channel) {
+    return channel == 0 ? e.scene->observation : e.scene->further[channel - 1].observation;
+}
+
+/// Index of the channel that a sensor belongs to; nothing if there is none.
+std::optional<std::size_t> channelOf(const effects::Setting& s, const Experiment& e) {
+    if (s.shell == "all")
+        return 0;
+    const auto& further = experiment::furtherChannels(e);
+    for (std::size_t k = 0; k < further.size(); ++k)
+        if (further[k].observe == s.shell)
+            return k + 1;
+    return std::nullopt;
+}
+
+/// Why a sensor acts on no channel; empty: it does.
+std::string channelProblem(const effects::Setting& s, const Experiment& e) {
+    if (effects::catalog()[static_cast<std::size_t>(s.key)].slot != effects::Slot::Sensor || channelOf(s, e))
+        return {};
+    std::vector<std::string> names;
+    for (const experiment::FurtherChannel& c : experiment::furtherChannels(e))
+        names.push_back(c.observe);
+    return s.shell == experiment::channel(e).name
+               ? "sensor effects act on the first channel, " + s.shell + ", without \"channel\""
+               : "there is no channel \"" + s.shell + "\" beside the first one" + didYouMean(s.shell, names);
+}
+
+/// Whether an effect depends on times, speeds or rests, which a table does not record.
+bool needsClock(effects::Key key) {
+    switch (key) {
+    case effects::Key::ViscoelasticBending:
+    case effects::Key::SofteningOverTime:
+    case effects::Key::StaticFrictionExcess:
+    case effects::Key::RateDependentFriction:
+    case effects::Key::SensorDrift:
+    case effects::Key::SensorDelay:
+        return true;
+    default:
+        return false;
+    }
+}
+
+} // namespace
+
+bool acts(const Experiment& experiment, effects::Key key, std::size_t channel) {
     const bool mechanism = experiment::isMechanism(experiment);
+    if (experiment::isTable(experiment) && needsClock(key))
+        return false;
     switch (key) {
     case effects::Key::BearingFriction:
         return mechanism && experiment.scene->turns;
@@ -248,7 +297,7 @@ bool acts(const Experiment& experiment, effects::Key key) {
         return !experiment::isFree(experiment) && !experiment::drivesLoad(experiment) &&
                (!mechanism || key == effects::Key::Backlash);
     case effects::Key::SensorDrift:
-        return !experiment.scene || experiment.scene->observation.of == scene::Observation::Of::Machine;
+        return !experiment.scene || observationOf(experiment, channel).of == scene::Observation::Of::Machine;
     case effects::Key::Gravity:
     case effects::Key::SensorGain:
     case effects::Key::SensorDelay:
@@ -258,11 +307,21 @@ bool acts(const Experiment& experiment, effects::Key key) {
     }
 }
 
+std::size_t freeNumbers(const Experiment& experiment) {
+    const std::vector<ParameterInfo> all = parameterList(experiment);
+    return static_cast<std::size_t>(std::count_if(
+        all.begin(), all.end(), [](const ParameterInfo& p) { return p.stated.halfWidth > 0.0 && !p.ofBatch; }));
+}
+
 std::string checkEffects(const Parameters& parameters, const Experiment& experiment) {
     for (const effects::Setting& s : parameters.effects)
-        if (!effects::isOff(s) && !acts(experiment, s.key))
+        if (std::string why = channelProblem(s, experiment); !why.empty())
+            return why;
+        else if (!effects::isOff(s) && !acts(experiment, s.key, channelOf(s, experiment).value_or(0)))
             return "effect " + effects::catalog()[static_cast<std::size_t>(s.key)].name +
-                   (experiment::isMechanism(experiment) ? " has nothing to act on in this scene of rigid bodies"
+                   (experiment::isTable(experiment) && needsClock(s.key)
+                        ? " needs the times of the rows, which a table does not have"
+                    : experiment::isMechanism(experiment) ? " has nothing to act on in this scene of rigid bodies"
                     : experiment::isFree(experiment)
                         ? " has nothing to act on in this scene without a machine"
                         : " acts only on the rigid bodies of a scene, which this experiment is not");

@@ -72,8 +72,12 @@ std::vector<ParameterInfo> parameterList(const experiment::Experiment& experimen
 [[nodiscard]] std::string set(Parameters& parameters, const experiment::Experiment& experiment, const std::string& name,
                               double value);
 
+/// Number of parameters with an interval: what a fit without effects may choose.
+std::size_t freeNumbers(const experiment::Experiment& experiment);
+
 /// Whether an effect has something to act on in this experiment.
-bool acts(const experiment::Experiment& experiment, effects::Key key);
+/// @param channel of a sensor; 0: the first one
+bool acts(const experiment::Experiment& experiment, effects::Key key, std::size_t channel = 0);
 
 /// Error text for effects that exclude each other or this experiment, or nothing.
 [[nodiscard]] std::string checkEffects(const Parameters& parameters, const experiment::Experiment& experiment);

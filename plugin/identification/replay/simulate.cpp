@@ -18,6 +18,7 @@
 #include "plugin/identification/replay/scene_of_run.h"
 #include "plugin/identification/replay/test_rig.h"
 #include "plugin/identification/replay/trace.h"
+#include "supercircle/effects/effect.h"
 #include "supercircle/effects/sensor.h"
 #include "supercircle/support/elementary.h"
 #include "supercircle/support/order_statistics.h"
@@ -141,8 +142,9 @@ void readFurther(const Trace& trace, const Experiment& e, const Run& run, const 
                 v = experiment::commanded(run, times[i]);
             else if (o.of == scene::Observation::Of::Machine && i < forces.row.size())
                 v = forces.at(i, [&](std::size_t row) { return trace.forces[row].force; });
-            column.push_back(v + p.furtherZero[k]);
+            column.push_back(v);
         }
+        readBy(effects::sensorOf(p.effects, e.scene->further[k].observe), times, p.furtherZero[k], column);
         out.readings.further.push_back(std::move(column));
     }
 }

@@ -1,5 +1,7 @@
 #include "plugin/identification/replay/trace.h"
 
+#include "supercircle/effects/sensor.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -73,6 +75,13 @@ std::vector<ForceSample> despiked(const std::vector<ForceSample>& forces) {
         from = to;
     }
     return out;
+}
+
+void readBy(const effects::SensorModel& sensor, const std::vector<double>& times, double zero,
+            std::vector<double>& rows) {
+    effects::SensorChain chain(sensor);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        rows[i] = zero + (sensor.on() && std::isfinite(rows[i]) ? chain.read(times[i], rows[i]) : rows[i]);
 }
 
 } // namespace supercircle::replay

@@ -2,6 +2,7 @@
 // Forces of a simulated run at its steps, with their reliability (private to replay/; decision 0151).
 
 #include "plugin/identification/replay/track.h"
+#include "supercircle/effects/model.h"
 #include "supercircle/rod/model.h"
 
 #include <cstdint>
@@ -41,5 +42,9 @@ struct Tangent {
 /// where the tangents meet. If they do not meet in between, the chord is used where it is closer to the tangents than
 /// the uncertain means are to it. Otherwise those stay.
 std::vector<ForceSample> despiked(const std::vector<ForceSample>& forces);
+
+/// Replaces values at `times`, s, by what a sensor with a zero reads. Missing ones stay missing.
+void readBy(const effects::SensorModel& sensor, const std::vector<double>& times, double zero,
+            std::vector<double>& values);
 
 } // namespace supercircle::replay

@@ -2,7 +2,10 @@
 
 #include "plugin/recording/experiment/free_scene.h"
 
+#include "supercircle/support/names.h"
+
 #include <algorithm>
+#include <utility>
 
 namespace supercircle::experiment {
 
@@ -59,6 +62,32 @@ std::string setChannel(const std::string& observe, const scene::Observation& obs
     zero.value *= c.sign / c.perUnit;
     zero.halfWidth /= c.perUnit;
     return {};
+}
+
+Result<Experiment> withFirstChannel(Experiment e, const std::string& observe) {
+    if (channel(e).name == observe)
+        return e;
+    std::vector<std::string> names = {channel(e).name};
+    for (std::size_t k = 0; k < furtherChannels(e).size(); ++k) {
+        FurtherChannel& other = e.scene->further[k];
+        names.push_back(other.observe);
+        if (other.observe != observe)
+            continue;
+        std::swap(e.scene->observe, other.observe);
+        std::swap(e.scene->observation, other.observation);
+        std::swap(e.scene->channel, other.channel);
+        std::swap(e.scene->zero, other.zero);
+        std::swap(e.sensors.forceNoise, other.noise);
+        for (Run& run : e.runs)
+            if (k < run.readings.further.size())
+                std::swap(run.readings.force, run.readings.further[k]);
+        return e;
+    }
+    std::string all;
+    for (const std::string& name : names)
+        all += (all.empty() ? "" : ", ") + name;
+    return Result<Experiment>::failure("there is no channel \"" + observe + "\"; expected one of " + all +
+                                       didYouMean(observe, names));
 }
 
 } // namespace supercircle::experiment

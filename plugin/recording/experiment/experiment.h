@@ -4,6 +4,7 @@
 
 #include "plugin/api/include/supercircle/definitions.hpp"
 #include "plugin/scene/loader/scene.h"
+#include "supercircle/support/result.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -146,8 +147,10 @@ struct FreeScene {
     double driveScale = 1.0;             ///< of that column: m, or the parameter's unit
     std::string driveParameter; ///< what is driven, a parameter of the loads; empty: the machine's displacement
     bool driven = false;        ///< a machine moves a body or holds of the scene
-    bool turns = true;          ///< it has revolute joints
-    bool rubs = false;          ///< its joints have dry friction of their own, or shells can touch something
+    /// The files are tables of states of rest, without times: their clock is made up (decision 0220).
+    bool table = false;
+    bool turns = true; ///< it has revolute joints
+    bool rubs = false; ///< its joints have dry friction of their own, or shells can touch something
 };
 
 /// Whether the scene is one that comes with the program: a name without ending and folder.
@@ -234,6 +237,11 @@ inline bool drivesLoad(const Experiment& experiment) {
     return experiment.scene && !experiment.scene->driveParameter.empty();
 }
 
+/// Whether the runs are tables without a clock.
+inline bool isTable(const Experiment& experiment) {
+    return experiment.scene && experiment.scene->table;
+}
+
 /// Whether rigid bodies on joints are simulated: a scene without shells. The shells of other scenes are the specimens.
 inline bool isMechanism(const Experiment& experiment) {
     return experiment.scene && experiment.specimens.empty();
@@ -251,6 +259,9 @@ const Channel& channel(const Experiment& experiment);
 
 /// Channels beside the first one; none outside of scenes.
 const std::vector<FurtherChannel>& furtherChannels(const Experiment& experiment);
+
+/// The experiment with another channel first, by the name of its observation; the first one takes its place.
+[[nodiscard]] Result<Experiment> withFirstChannel(Experiment experiment, const std::string& observe);
 
 /// Median time between rows, s; 0 with fewer than two rows.
 double medianStep(const std::vector<double>& time);

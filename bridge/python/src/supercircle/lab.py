@@ -354,7 +354,7 @@ class Curve:
 class Replay:
     """A recorded experiment, simulated.
 
-    status: "done" or "cancelled"; curves: one a run; details: replay.json of the program
+    status: "done" or "cancelled"; curves: one a run and channel; details: replay.json of the program
     """
 
     status: str

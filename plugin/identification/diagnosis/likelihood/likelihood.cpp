@@ -88,20 +88,19 @@ Eigen::VectorXd Likelihood::ChannelModel::transposed(Eigen::VectorXd u) const {
 
 Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::vector<Response>& fine,
                        const std::vector<Response>& finer, const LikelihoodSettings& settings)
-    : data_(data), noise_(noise), settings_(settings), start_{0} {
+    : data_(data), noise_(noise), settings_(settings.of(data)), start_{0} {
     const double peak = data.free ? 0.0 : data.peakForce(); // free bodies have no discretisation error
-    std::vector<RecordedData> further;
     for (std::size_t c = 0; c < data.further.size(); ++c)
-        further.push_back(data.withChannel(c));
+        further_.push_back(data.withChannel(c));
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
         const RecordedRun& run = data.runs[r];
-        const LikelihoodSettings here = settings.forRepeats(data.repeatsOf(r));
+        const LikelihoodSettings here = settings_.forRepeats(data.repeatsOf(r));
         RunModel model;
         static_cast<ChannelModel&>(model) = ChannelModel(data, run, noise, fine[r], finer[r], peak, here);
         for (std::size_t c = 0; c < run.furtherCount; ++c)
-            model.further.emplace_back(further[c], further[c].runs[r], noise.further[c], fine[r].withChannel(c),
-                                       finer[r].withChannel(c), data.free ? 0.0 : further[c].peakForce(), here);
-        addJumps(run, fine[r], finer[r], here, model);
+            model.further.emplace_back(further_[c], further_[c].runs[r], noise.further[c], fine[r].withChannel(c),
+                                       finer[r].withChannel(c), data.free ? 0.0 : further_[c].peakForce(), here);
+        addJumps(r, fine[r], finer[r], here, model);
         addStrokeShifts(run, here.repeatFactor * here.markerShift, model);
         addSnapShifts(run, here.repeatFactor * here.snapPositionError, model);
         start_.push_back(start_.back() + run.rows() + static_cast<Eigen::Index>(model.jumps.size()));
@@ -139,9 +138,24 @@ void Likelihood::addStrokeShifts(const RecordedRun& run, double sigma, RunModel&
     }
 }
 
-void Likelihood::addJumps(const RecordedRun& run, const Response& fine, const Response& finer,
-                          const LikelihoodSettings& s, RunModel& model) const {
-    model.jumps = recordedJumps(run, s.snapShare, s.jumpNoise * noise_.total());
+void Likelihood::addJumps(std::size_t r, const Response& fine, const Response& finer, const LikelihoodSettings& s,
+                          RunModel& model) const {
+    constexpr double kSame = 2.0; // rows between the times at which two channels show one event
+    const RecordedRun& run = data_.runs[r];
+    for (std::size_t c = 0; c <= run.furtherCount; ++c) {
+        if (c > 0 && data_.further[c - 1].weight == 0.0)
+            continue;
+        const double noise = (c == 0 ? noise_ : noise_.further[c - 1]).total();
+        ChannelJumps own{c, {}};
+        for (const replay::Landmark& jump : recordedJumps(runOf(r, c), s.snapShare, s.jumpNoise * noise))
+            if (std::none_of(model.jumps.begin(), model.jumps.end(), [&](const replay::Landmark& known) {
+                    return c > 0 && std::abs(known.time - jump.time) <= kSame * run.spacing();
+                }))
+                own.jumps.push_back(jump);
+        model.jumps.insert(model.jumps.end(), own.jumps.begin(), own.jumps.end());
+        if (!own.jumps.empty())
+            model.jumping.push_back(std::move(own));
+    }
     const auto n = static_cast<Eigen::Index>(model.jumps.size());
     if (n == 0)
         return;
@@ -150,29 +164,38 @@ void Likelihood::addJumps(const RecordedRun& run, const Response& fine, const Re
     for (Eigen::Index i = 0; i < n; ++i)
         shared[i] = s.repeatFactor * s.jumpPositionError * travel /
                     std::abs(run.segmentAt(model.jumps[static_cast<std::size_t>(i)].time).speed);
-    if (fine.force.size() == run.force.size() && finer.force.size() == run.force.size()) {
-        const auto a = jumpsOf(run, fine, s), b = jumpsOf(run, finer, s);
-        const auto inFine = matchJumps(run, model.jumps, a, s.jumpReach), inFiner = matchJumps(run, a, b, s.jumpReach);
-        for (std::size_t i = 0; i < model.jumps.size(); ++i)
-            if (const int f = inFine[i]; f >= 0 && inFiner[static_cast<std::size_t>(f)] >= 0) {
-                const double other = b[static_cast<std::size_t>(inFiner[static_cast<std::size_t>(f)])].time;
-                double& error = nuisance[static_cast<Eigen::Index>(i)];
-                error =
-                    math::hypot(error, s.repeatFactor * s.refinement * (a[static_cast<std::size_t>(f)].time - other));
-            }
+    Eigen::Index first = 0; // of the channel
+    std::vector<std::size_t> channel;
+    for (const ChannelJumps& own : model.jumping) {
+        channel.insert(channel.end(), own.jumps.size(), own.channel);
+        if (fine.force.size() == run.force.size() && finer.force.size() == run.force.size()) {
+            const RecordedRun& its = runOf(r, own.channel);
+            const auto a = jumpsOf(its, inChannel(fine, own.channel), s),
+                       b = jumpsOf(its, inChannel(finer, own.channel), s);
+            const auto inFine = matchJumps(its, own.jumps, a, s.jumpReach),
+                       inFiner = matchJumps(its, a, b, s.jumpReach);
+            for (std::size_t i = 0; i < own.jumps.size(); ++i)
+                if (const int f = inFine[i]; f >= 0 && inFiner[static_cast<std::size_t>(f)] >= 0) {
+                    const double other = b[static_cast<std::size_t>(inFiner[static_cast<std::size_t>(f)])].time;
+                    double& error = nuisance[first + static_cast<Eigen::Index>(i)];
+                    error = math::hypot(error,
+                                        s.repeatFactor * s.refinement * (a[static_cast<std::size_t>(f)].time - other));
+                }
+        }
+        first += static_cast<Eigen::Index>(own.jumps.size());
     }
     Eigen::MatrixXd covariance = nuisance.cwiseAbs2().asDiagonal();
     // One event in two cycles: the same number of jumps of its direction precede it in a stroke of its phase.
-    std::vector<std::tuple<Phase, bool, int>> event;
+    std::vector<std::tuple<std::size_t, Phase, bool, int>> event;
     for (std::size_t i = 0; i < model.jumps.size(); ++i) {
         const replay::Landmark& jump = model.jumps[i];
         const std::size_t stroke = run.segmentAt(jump.time).stroke;
         const bool rises = jump.after > jump.before;
         int before = 0;
         for (std::size_t k = 0; k < i; ++k)
-            before += run.segmentAt(model.jumps[k].time).stroke == stroke &&
+            before += channel[k] == channel[i] && run.segmentAt(model.jumps[k].time).stroke == stroke &&
                       (model.jumps[k].after > model.jumps[k].before) == rises;
-        event.emplace_back(run.strokes[stroke].phase, rises, before);
+        event.emplace_back(channel[i], run.strokes[stroke].phase, rises, before);
     }
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index k = 0; k < n; ++k)
@@ -187,27 +210,27 @@ bool Likelihood::complete(std::size_t r, const Response& s) const {
 }
 
 Likelihood::SimulatedJumps Likelihood::simulatedJumpsOf(std::size_t r, const Response& s) const {
-    const RecordedRun& run = data_.runs[r];
-    const std::vector<replay::Landmark>& recorded = runModels_[r].jumps;
     SimulatedJumps out;
-    if (recorded.empty())
-        return out;
-    const auto simulated = jumpsOf(run, s, settings_);
-    const std::vector<int> partner = matchJumps(run, recorded, simulated, settings_.jumpReach);
-    for (std::size_t i = 0; i < recorded.size(); ++i) {
-        const double t = recorded[i].time;
-        out.found.push_back(partner[i] >= 0);
-        if (partner[i] < 0) { // largest distance, towards the nearest jump of its direction
-            double nearest = std::numeric_limits<double>::infinity();
-            for (const replay::Landmark& other : simulated)
-                if ((other.after > other.before) == (recorded[i].after > recorded[i].before) &&
-                    std::abs(other.time - t) < std::abs(nearest - t))
-                    nearest = other.time;
-            out.time.push_back(t + std::copysign(jumpReachOf(run, t, settings_.jumpReach), nearest - t));
-            continue;
+    for (const ChannelJumps& own : runModels_[r].jumping) {
+        const RecordedRun& run = runOf(r, own.channel);
+        const auto simulated = jumpsOf(run, inChannel(s, own.channel), settings_);
+        const std::vector<int> partner = matchJumps(run, own.jumps, simulated, settings_.jumpReach);
+        for (std::size_t i = 0; i < own.jumps.size(); ++i) {
+            const replay::Landmark& recorded = own.jumps[i];
+            const double t = recorded.time;
+            out.found.push_back(partner[i] >= 0);
+            if (partner[i] < 0) { // largest distance, towards the nearest jump of its direction
+                double nearest = std::numeric_limits<double>::infinity();
+                for (const replay::Landmark& other : simulated)
+                    if ((other.after > other.before) == (recorded.after > recorded.before) &&
+                        std::abs(other.time - t) < std::abs(nearest - t))
+                        nearest = other.time;
+                out.time.push_back(t + std::copysign(jumpReachOf(run, t, settings_.jumpReach), nearest - t));
+                continue;
+            }
+            out.time.push_back(simulated[static_cast<std::size_t>(partner[i])].time);
+            out.maskedRanges.push_back(maskedRange(t, out.time.back(), settings_));
         }
-        out.time.push_back(simulated[static_cast<std::size_t>(partner[i])].time);
-        out.maskedRanges.push_back(maskedRange(t, out.time.back(), settings_));
     }
     return out;
 }

@@ -152,6 +152,18 @@ LikelihoodSettings LikelihoodSettings::in(const experiment::NaturalUnits& units)
     return out;
 }
 
+LikelihoodSettings LikelihoodSettings::of(const RecordedData& data) const {
+    constexpr double kNever = 1e9; // times any change
+    LikelihoodSettings out = *this;
+    if (data.drivesLoad)
+        out.contactPosition = out.contactAccuracy = 0.0;
+    if (data.table) {
+        out.clockError = out.contactAccuracy = 0.0;
+        out.abruptReversal = out.snapShare = out.jumpNoise = kNever;
+    }
+    return out;
+}
+
 LikelihoodSettings LikelihoodSettings::forRepeats(std::size_t n) const {
     LikelihoodSettings out = *this;
     out.repeatFactor *= std::sqrt(static_cast<double>(std::max<std::size_t>(1, n)));

@@ -48,6 +48,9 @@ struct LikelihoodSettings {
     [[nodiscard]] LikelihoodSettings forRepeats(std::size_t n) const;
     /// The same for a set-up.
     [[nodiscard]] LikelihoodSettings in(const experiment::NaturalUnits& units) const;
+    /// The same for recordings. A driven load has no position. The rows of a table are read at rest, without a clock,
+    /// and too far apart to tell a jump from a slope.
+    [[nodiscard]] LikelihoodSettings of(const RecordedData& data) const;
 };
 
 /// Standard deviation of the simulated force in row k from the accuracy of contact positions, N.

@@ -69,11 +69,12 @@ public:
         : candidateEffects_(candidateEffects), experiment_(e), without_(without) {}
 
     /// Begins a candidate; all following calls refer to it.
+    /// @param shell name of a specimen, or of the channel of a sensor
     CandidateBuilder& variant(const std::string& label, const std::string& words = {},
                               const std::string& shell = "all") {
         finish();
         effect_ = effects::find(label);
-        if (effect_ == nullptr || !replay::acts(experiment_, effect_->key) ||
+        if (effect_ == nullptr || !replay::acts(experiment_, effect_->key, channel_) ||
             std::find(without_.begin(), without_.end(), label) != without_.end()) {
             effect_ = nullptr;
             return *this;
@@ -81,7 +82,10 @@ public:
         candidate_ = {};
         candidate_.label = label;
         candidate_.slot = effects::name(effect_->slot);
-        candidate_.variant = words + (shell == "all" ? "" : (words.empty() ? "" : ", ") + ("specimen " + shell));
+        candidate_.variant = words;
+        if (shell != "all")
+            candidate_.variant +=
+                std::string(words.empty() ? "" : ", ") + (channel_ > 0 ? "channel " : "specimen ") + shell;
         candidate_.law = effect_->law;
         mapping_ = {effects::off(*effect_), {}, readingOf(label)};
         mapping_.base.shell = shell;
@@ -140,6 +144,8 @@ public:
         candidate_.probes.push_back(in);
         return *this;
     }
+    /// Following candidates are sensors of this channel.
+    void ofChannel(std::size_t channel) { channel_ = channel; }
     void finish() {
         if (effect_ != nullptr && !candidate_.probes.empty()) {
             candidateEffects_.candidates.push_back(candidate_);
@@ -167,6 +173,7 @@ private:
     const Experiment& experiment_;
     const std::vector<std::string>& without_;
     const effects::Effect* effect_ = nullptr;
+    std::size_t channel_ = 0;
     CandidateEffect candidate_;
     EffectMapping mapping_;
 };
@@ -181,9 +188,12 @@ void gravity(CandidateBuilder& w, const ExperimentScales& s, double along, doubl
 }
 
 /// @param second s, unit of `probe`
-void delay(CandidateBuilder& w, double second, double probe) {
-    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, second, 0.01 * second).probe({probe * second});
-    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0 * second, 0.01 * second).probe({probe * second});
+/// @param channel that reads late
+void delay(CandidateBuilder& w, double second, double probe, const std::string& channel = "all") {
+    w.variant("sensor_delay", "pure", channel).amplitude("delay_s", 0.0, second, 0.01 * second);
+    w.probe({probe * second});
+    w.variant("sensor_delay", "low pass", channel).amplitude("lag_s", 0.0, 2.0 * second, 0.01 * second);
+    w.probe({probe * second});
 }
 
 void material(CandidateBuilder& w, const ExperimentScales& s) {
@@ -298,18 +308,49 @@ void backlashOfReversals(CandidateBuilder& w, const ExperimentScales& s) {
     w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).probe({1e-2 * s.travel}).probe({3e-2 * s.travel});
 }
 
-/// Of a load cell.
-void sensors(CandidateBuilder& w, const ExperimentScales& s) {
-    w.variant("sensor_drift", "towards an end").amplitude("a_N", -s.force, s.force, 0.02 * s.force);
+/// @param force N, largest of the load cell
+void drift(CandidateBuilder& w, const ExperimentScales& s, double force, const std::string& channel = "all") {
+    w.variant("sensor_drift", "towards an end", channel).amplitude("a_N", -force, force, 0.02 * force);
     w.extent("tau_s", 0.5 * s.second, 5.0 * s.duration);
-    w.probe({0.05 * s.force, 0.2 * s.duration}).probe({0.05 * s.force, s.duration});
-    w.probe({0.05 * s.force, 2.0 * s.second});
-    w.variant("sensor_drift", "steady")
-        .amplitude("rate_N_s", -s.force / s.second, s.force / s.second, 0.02 * s.force / s.duration);
-    w.probe({0.05 * s.force / s.duration});
+    w.probe({0.05 * force, 0.2 * s.duration}).probe({0.05 * force, s.duration}).probe({0.05 * force, 2.0 * s.second});
+    w.variant("sensor_drift", "steady", channel)
+        .amplitude("rate_N_s", -force / s.second, force / s.second, 0.02 * force / s.duration);
+    w.probe({0.05 * force / s.duration});
+}
+
+/// Of the first channel.
+void sensors(CandidateBuilder& w, const ExperimentScales& s) {
+    drift(w, s, s.force);
     w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
     delay(w, s.second, 0.05);
     w.probe({0.2 * s.second});
+}
+
+/// Largest reading of a further channel, SI unit; 1 if it is never above 0.
+double largestOf(const Experiment& e, std::size_t further) {
+    double most = 0.0;
+    for (const experiment::Run& run : e.runs)
+        if (further < run.readings.further.size())
+            for (const double v : run.readings.further[further])
+                most = std::isfinite(v) ? std::max(most, std::abs(v)) : most;
+    return most > 0.0 ? most : 1.0;
+}
+
+/// Of channels beside the first one.
+void furtherSensors(CandidateBuilder& w, const ExperimentScales& s, const Experiment& e) {
+    const auto& further = experiment::furtherChannels(e);
+    for (std::size_t k = 0; k < further.size(); ++k) {
+        w.finish();
+        if (further[k].channel.weight == 0.0)
+            continue;
+        w.ofChannel(k + 1);
+        const std::string& name = further[k].observe;
+        drift(w, s, largestOf(e, k), name);
+        w.variant("sensor_gain", "", name).amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
+        delay(w, s.second, experiment::isMechanism(e) ? 0.01 : 0.05, name);
+    }
+    w.finish();
+    w.ofChannel(0);
 }
 
 void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
@@ -413,15 +454,15 @@ CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std:
     CandidateBuilder w(candidateEffects, e, without);
     if (experiment::isMechanism(e)) {
         bodies(w, replay::freeScales(e), e, s);
-        w.finish();
+        furtherSensors(w, s, e);
         return candidateEffects;
     }
     material(w, s);
     localEffects(w, s, shells);
     contacts(w, s);
     apparatus(w, s);
-    w.finish();
-    addLearnedLaws(candidateEffects, s);
+    furtherSensors(w, s, e);
+    addLearnedLaws(candidateEffects, e, s);
     return candidateEffects;
 }
 

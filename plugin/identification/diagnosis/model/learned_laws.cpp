@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/model/learned_laws.h"
 
+#include "plugin/identification/replay/parameters.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -50,10 +52,10 @@ CandidateEffect learned(const std::string& label, const std::string& slot, const
 }
 
 /// A law in a slot of the simulator, by a catalogue effect whose law "learned" has coefficients c1, c2, ...
-void inSlot(CandidateEffects& candidateEffects, CandidateEffect c, const char* effect,
-            const std::vector<std::pair<std::string, double>>& fixed) {
+void inSlot(CandidateEffects& candidateEffects, const experiment::Experiment& experiment, CandidateEffect c,
+            const char* effect, const std::vector<std::pair<std::string, double>>& fixed) {
     const effects::Effect* e = effects::find(effect);
-    if (e == nullptr)
+    if (e == nullptr || !replay::acts(experiment, e->key))
         return;
     EffectMapping mapping{effects::off(*e), {}, ReadingEffect::None};
     const auto find = [&](const std::string& name) {
@@ -79,26 +81,26 @@ void onReadings(CandidateEffects& candidateEffects, CandidateEffect c, ReadingEf
 
 } // namespace
 
-void addLearnedLaws(CandidateEffects& candidateEffects, const ExperimentScales& s) {
+void addLearnedLaws(CandidateEffects& candidateEffects, const experiment::Experiment& e, const ExperimentScales& s) {
     // A run that fails or hardly bends does not limit the learned moment.
     const double bend = s.bend > 1e-3 / s.radius ? 1.05 * s.bend : 1.0 / s.radius;
-    inSlot(candidateEffects,
+    inSlot(candidateEffects, e,
            learned("learned_moment", "material", "dM/du = B (1 + S(|u|))", -0.9, 5.0, 0.1,
                    {"curvature change", "1/m", "bending moment", true, "", 0.0, bend, false, 1.0, curve<secantAt>}),
            "nonlinear_elasticity", {{"uc_1_m", bend}});
     const double middle = 0.1 * s.speed; // two decades to either side, down to a thousandth of the drive speed
-    inSlot(candidateEffects,
+    inSlot(candidateEffects, e,
            learned(
                "learned_friction_speed", "contact", "mu (1 + S(log v))", -0.9, 5.0, 0.1,
                {"sliding speed", "m/s", "friction", true, "", 1e-2 * middle, 1e2 * middle, true, 1.0, curve<splineAt>}),
            "rate_dependent_friction", {{"strength", 1.0}, {"speed_m_s", middle}});
     const double distance = 6.0 * s.travel;
-    inSlot(candidateEffects,
+    inSlot(candidateEffects, e,
            learned("learned_friction_slip", "contact", "mu (1 + S(sliding distance))", -0.9, 5.0, 0.1,
                    {"sliding distance", "m", "friction", true, "", 0.0, distance, false, 1.0, curve<splineAt>}),
            "wear", {{"change", 1.0}, {"distance_m", distance}});
     const double attraction = 2.0 * s.modulus / (s.radius * s.radius * s.radius), range = 3e-4 * s.units.length;
-    inSlot(candidateEffects,
+    inSlot(candidateEffects, e,
            learned("learned_contact", "contact", "attraction per length S(gap)", -10.0, 10.0, 0.2,
                    {"gap", "m", "attraction", false, "N/m", 0.0, range, false, attraction, curve<fadingAt>}),
            "adhesion", {{"F_a_N_m", attraction}, {"range_m", range}});
@@ -113,6 +115,8 @@ void addLearnedLaws(CandidateEffects& candidateEffects, const ExperimentScales& 
                        {"displacement", "m", "force against the motion", false, "N", 0.0, s.travel, false, f,
                         curve<splineAt>}),
                ReadingEffect::ByDirection);
+    if (experiment::isTable(e))
+        return;
     onReadings(candidateEffects,
                learned("learned_drift", "sensor", "reading += S(time)", -20.0, 20.0, 0.05,
                        {"time", "s", "zero of the load cell", false, "N", 0.0, s.duration, false, f, curve<splineAt>}),

@@ -15,7 +15,8 @@
 
 namespace supercircle::diagnosis {
 
-/// Appends the learned laws after the catalogue's candidates.
-void addLearnedLaws(CandidateEffects& candidateEffects, const ExperimentScales& scales);
+/// Appends the learned laws that can act in an experiment after the catalogue's candidates.
+void addLearnedLaws(CandidateEffects& candidateEffects, const experiment::Experiment& experiment,
+                    const ExperimentScales& scales);
 
 } // namespace supercircle::diagnosis

@@ -134,8 +134,11 @@ struct CandidateRun {
     bool specimenReversed = false; ///< the specimens are mounted end for end
     /// Arc fractions of markers added to each specimen for this run.
     std::vector<double> markers{};
-    double markerRate = 0.0;          ///< Hz, of frames; 0: not filmed
-    experiment::NaturalUnits units{}; ///< of the set-up
+    double markerRate = 0.0;                ///< Hz, of frames; 0: not filmed
+    experiment::NaturalUnits units{};       ///< of the set-up
+    double weight = 1.0;                    ///< of the log-likelihood of the first channel
+    std::vector<double> further{};          ///< the same of channels beside it
+    bool table = false, drivesLoad = false; ///< as RecordedData
 };
 
 /// Readings of a candidate run, with their times.
@@ -144,6 +147,7 @@ struct CandidateRunResponse {
     Eigen::VectorXd time, force;
     Eigen::VectorXd markerTime{}, markers{}; ///< as Response::markers; empty: no markers
     Eigen::VectorXd jumps{};                 ///< as Response::jumps
+    Eigen::VectorXd further{};               ///< as Response::further
 };
 
 class Model {

@@ -217,20 +217,32 @@ void ReplayModel::read(std::size_t run, const ParameterPoint& point, Response& r
         for (const Term& t : point.terms)
             if (const ReadingEffect r = candidateEffects_.mappings[t.candidate].readingEffect;
                 r != ReadingEffect::None && (r == ReadingEffect::Gain) == gain)
-                addReading(t, run, time, response.force);
+                addReading(t, run, time, response);
 }
 
 void ReplayModel::addReading(const Term& term, std::size_t run, const std::vector<double>& time,
-                             Eigen::VectorXd& force) const {
+                             Response& response) const {
     const EffectMapping& mapping = candidateEffects_.mappings[term.candidate];
     const experiment::Run& recorded = experiment_.runs[run];
+    const auto& further = experiment::furtherChannels(experiment_);
+    std::size_t channel = 0; // beside the first one, which is their number
+    while (channel < further.size() && further[channel].observe != mapping.base.shell)
+        ++channel;
+    const bool first = channel == further.size();
+    const auto rows = static_cast<Eigen::Index>(time.size());
+    const Eigen::Index from = static_cast<Eigen::Index>(channel) * rows;
+    if (!first && response.further.size() < from + rows)
+        return;
+    const double perUnit = (first ? experiment::channel(experiment_) : further[channel].channel).perUnit;
+    const double window = first ? experiment_.sensors.forceZeroWindow : 0.0;
+    Eigen::Map<Eigen::VectorXd> force(first ? response.force.data() : response.further.data() + from, rows);
     // An added reading shifts the zero too, the mean of the first interval.
-    const auto add = [&](Eigen::VectorXd& to, const std::vector<double>& at, const auto& value) {
+    const auto add = [&](Eigen::Ref<Eigen::VectorXd> to, const std::vector<double>& at, const auto& value) {
         double zero = 0.0, count = 0.0;
         for (std::size_t k = 0; k < at.size(); ++k) {
             const double v = value(k);
             to[static_cast<Eigen::Index>(k)] += v;
-            if (at[k] < at.front() + experiment_.sensors.forceZeroWindow) {
+            if (at[k] < at.front() + window) {
                 zero += v;
                 count += 1.0;
             }
@@ -243,12 +255,12 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
         for (std::size_t i = 0; i < term.values.size(); ++i)
             setting.values[mapping.parameterAt[i]] =
                 toPhysical(candidateEffects_.candidates[term.candidate].parameters[i].scale, term.values[i]);
-        const effects::SensorModel sensor = effects::modelFor({setting}, "all").sensor;
+        const effects::SensorModel sensor = effects::sensorOf({setting}, setting.shell);
         force *= 1.0 + sensor.gain;
         if (mapping.readingEffect == ReadingEffect::Drift)
             add(force, time, [&](std::size_t k) {
                 const double age = std::max(0.0, time[k] - recorded.driveTime.front());
-                return sensor.driftRate * age - sensor.drift * math::expm1(-age / sensor.driftTime);
+                return perUnit * (sensor.driftRate * age - sensor.drift * math::expm1(-age / sensor.driftTime));
             });
         return;
     }
@@ -323,7 +335,12 @@ CandidateRunResponse ReplayModel::simulateCandidateRun(std::size_t index, const 
     const replay::Simulated s = simulateWithin(e, 0, p, replay::Resolution::coarse(), interrupt);
     out.failure = s.failure;
     out.time = vectorOf(s.readings.time);
-    out.force = vectorOf(s.readings.force);
+    out.force = experiment::channel(e).perUnit * vectorOf(s.readings.force);
+    out.further.resize(static_cast<Eigen::Index>(s.readings.further.size()) * out.force.size());
+    for (std::size_t c = 0; c < s.readings.further.size(); ++c)
+        out.further.segment(static_cast<Eigen::Index>(c) * out.force.size(), out.force.size()) =
+            experiment::furtherChannels(e)[c].channel.perUnit *
+            vectorOf(filled(s.readings.further[c], s.readings.force.size()));
     out.markerTime = vectorOf(s.markers.time);
     out.markers = stacked(s.markers, s.markers.time.empty() ? 0 : e.markers.size(), s.markers.time.size());
     out.jumps = vectorOf(replay::jumpTimes(s));

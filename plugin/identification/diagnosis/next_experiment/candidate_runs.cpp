@@ -99,13 +99,51 @@ double frameRateOf(const experiment::Experiment& e) {
 constexpr double kUsualFrames = 4.0;           // per natural second, of a camera
 constexpr double kHold = 100.0, kOfRuns = 1.5; // natural s, of the longest run: the longer of both is held
 
+/// Tables of loads or displacements in even steps, as many in a direction as the longest recorded one has rows.
+std::vector<PlannedRun> plannedTables(const experiment::Experiment& e, const RunProperties& h) {
+    constexpr std::size_t kFewest = 8; // rows in a direction
+    std::size_t rows = kFewest;
+    for (const Run& run : e.runs)
+        rows = std::max(rows, run.readings.time.size());
+    const auto through = [&](const std::vector<double>& turns) {
+        Run run;
+        run.file = "design";
+        double from = 0.0;
+        run.driveTime = {0.0};
+        run.driveDisplacement = {0.0};
+        for (const double to : turns) {
+            for (std::size_t k = 1; k <= rows; ++k) {
+                run.driveTime.push_back(run.driveTime.back() + 1.0 / h.rate);
+                run.driveDisplacement.push_back(from +
+                                                (to - from) * static_cast<double>(k) / static_cast<double>(rows));
+            }
+            from = to;
+        }
+        run.samplingRate = h.rate;
+        return run;
+    };
+    const std::string what = experiment::drivesLoad(e) ? "load" : "displacement";
+    std::vector<PlannedRun> planned;
+    if (!h.unloads)
+        planned.push_back({"a table with the way back, " + std::to_string(rows) + " rows in each direction",
+                           through({h.travel, 0.0})});
+    planned.push_back({"a table to a " + what + " larger by half, and back", through({1.5 * h.travel, 0.0})});
+    planned.push_back({"a table to half of the " + what + " and back, then to all of it and back",
+                       through({0.5 * h.travel, 0.0, h.travel, 0.0})});
+    return planned;
+}
+
 std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
     const RunProperties h = runPropertiesOf(e);
     if (h.travel <= 0.0 || h.fastest <= 0.0)
         return {};
-    const auto speed = [](double v) {
+    if (experiment::isTable(e))
+        return plannedTables(e, h);
+    const bool load = experiment::drivesLoad(e);
+    const std::string largest = load ? "largest load" : "largest displacement";
+    const auto speed = [&](double v) {
         char text[40];
-        std::snprintf(text, sizeof text, "%.3g mm/s", 1e3 * v);
+        std::snprintf(text, sizeof text, load ? "%.3g per s" : "%.3g mm/s", load ? v : 1e3 * v);
         return std::string(text);
     };
     const auto seconds = [](double t) {
@@ -119,17 +157,19 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
         planned.push_back({"the same loading followed by unloading", runThrough(h, {d, 0.0}, h.fastest)});
     const std::vector<PlannedRun> usual = {
         {"a run ten times slower, at " + speed(0.1 * h.slowest), runThrough(h, {d, 0.0}, 0.1 * h.slowest)},
-        {"a hold of " + seconds(hold) + " at the largest displacement", runThrough(h, {d, 0.0}, h.fastest, hold)},
-        {"five small cycles between 60 % and 50 % of the largest displacement",
+        {"a hold of " + seconds(hold) + " at the " + largest, runThrough(h, {d, 0.0}, h.fastest, hold)},
+        {"five small cycles between 60 % and 50 % of the " + largest,
          runThrough(h, {0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.6 * d, 0.5 * d, 0.0},
                     h.slowest)},
-        {"a displacement larger by a tenth", runThrough(h, {1.1 * d, 0.0}, h.fastest)},
-        {"two cycles, the first to half of the displacement", runThrough(h, {0.5 * d, 0.0, d, 0.0}, h.fastest)},
+        {std::string(load ? "a load" : "a displacement") + " larger by a tenth",
+         runThrough(h, {1.1 * d, 0.0}, h.fastest)},
+        {std::string("two cycles, the first to half of the ") + (load ? "load" : "displacement"),
+         runThrough(h, {0.5 * d, 0.0, d, 0.0}, h.fastest)},
         {"six cycles at " + speed(h.fastest),
          runThrough(h, {d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest)}};
     planned.insert(planned.end(), usual.begin(), usual.end());
     const double frames = frameRateOf(e);
-    if (frames == 0.0) { // markers described but never tracked are used again
+    if (frames == 0.0 && !e.scene) { // markers described but never tracked are used again
         const std::vector<double> displacements = e.markers.empty() ? markerPositions(e) : std::vector<double>{};
         const std::string where = e.specimens.size() > 1 ? "each specimen" : "the specimen";
         planned.push_back({"a filmed run with " + (displacements.empty()
@@ -139,7 +179,7 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
         planned.back().run.markersSamplingRate = kUsualFrames / h.second;
     }
     // Defects of the specimen move to the other side, those of the set-up do not. A ring has no ends.
-    if (e.protocol != experiment::Protocol::RingBetweenPlates) {
+    if (e.protocol != experiment::Protocol::RingBetweenPlates && !e.scene) {
         planned.push_back({std::string("a run with ") + (e.specimens.size() > 1 ? "both specimens" : "the specimen") +
                                " mounted end for end",
                            runThrough(h, {d, 0.0}, h.fastest)});
@@ -156,9 +196,13 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
 
 std::vector<CandidateRun> candidateRunsFor(const experiment::Experiment& e) {
     std::vector<CandidateRun> all;
+    std::vector<double> further; // weights
+    for (const experiment::FurtherChannel& c : experiment::furtherChannels(e))
+        further.push_back(c.channel.weight);
     for (const PlannedRun& p : plannedRuns(e))
         all.push_back({p.description, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate,
-                       p.run.specimenReversed, p.markers, p.run.markersSamplingRate, replay::naturalUnits(e)});
+                       p.run.specimenReversed, p.markers, p.run.markersSamplingRate, replay::naturalUnits(e),
+                       experiment::channel(e).weight, further, experiment::isTable(e), experiment::drivesLoad(e)});
     return all;
 }
 

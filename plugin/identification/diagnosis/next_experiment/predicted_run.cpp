@@ -38,7 +38,8 @@ UncertainParameters::UncertainParameters(const Model& model, const std::vector<C
 
 bool PredictedRun::usable(const CandidateRunResponse& r) const {
     return r.failure.empty() && r.force.size() == responses_.front().force.size() &&
-           r.markers.size() == responses_.front().markers.size();
+           r.markers.size() == responses_.front().markers.size() &&
+           r.further.size() == responses_.front().further.size();
 }
 
 bool PredictedRun::simulate() {

@@ -26,6 +26,9 @@ experiment::Run runOf(const CandidateRun& candidateRun, const CandidateRunRespon
     }
     run.specimenReversed = candidateRun.specimenReversed;
     run.readings = {listOf(truth.time), {}, listOf(truth.force)};
+    const Index rows = truth.force.size();
+    for (Index at = 0; rows > 0 && at + rows <= truth.further.size(); at += rows)
+        run.readings.further.push_back(listOf(truth.further.segment(at, rows)));
     run.markers.time = listOf(truth.markerTime);
     const Index frames = truth.markerTime.size();
     for (Index at = 0; frames > 0 && at < truth.markers.size(); at += 2 * frames) {
@@ -41,12 +44,18 @@ RecordedData recorded(const CandidateRun& candidateRun, const CandidateRunRespon
     data.zeroWindow = zeroWindow;
     const experiment::Run run = runOf(candidateRun, truth);
     data.units = candidateRun.units;
-    data.runs.push_back(recordedRun(run, run.markers.x.size(), data.free, 1.0, data.units));
+    data.weight = candidateRun.weight;
+    data.table = candidateRun.table;
+    data.drivesLoad = candidateRun.drivesLoad;
+    for (std::size_t k = 0; k < run.readings.further.size(); ++k)
+        data.further.push_back({{}, {}, 0.0, k < candidateRun.further.size() ? candidateRun.further[k] : 1.0});
+    const std::vector<double> inItsUnit(run.readings.further.size(), 1.0);
+    data.runs.push_back(recordedRun(run, run.markers.x.size(), data.free, 1.0, data.units, inItsUnit));
     return data;
 }
 
 Response asResponse(const CandidateRunResponse& r) {
-    return {r.failure, r.force, r.markers, r.jumps};
+    return {r.failure, r.force, r.markers, r.jumps, r.further};
 }
 
 Noise withCamera(Noise noise, const experiment::NaturalUnits& units) {

@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/data.h"
 
 #include "plugin/identification/replay/free_scales.h"
+#include "plugin/identification/replay/parameters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -200,6 +201,27 @@ double RecordedData::usualCorrelationTime() const {
     return std::min(std::max(kUsual * units.time, kRows * dt), std::max(kShare * shortest, kRows * dt));
 }
 
+std::string tooFewReadings(const experiment::Experiment& e) {
+    constexpr std::size_t kFewest = 20, kSpare = 5; // of a run; of all tables beyond the free numbers
+    if (experiment::isTable(e)) {
+        std::size_t rows = 0;
+        for (const experiment::Run& run : e.runs)
+            rows += run.readings.time.size();
+        if (e.sensors.forceNoise <= 0.0)
+            return "a table does not show its noise; state \"noise_std\" in /channels/0";
+        const std::size_t free = replay::freeNumbers(e);
+        return rows >= free + kSpare ? std::string()
+                                     : std::to_string(rows) + " rows of tables are too few for " +
+                                           std::to_string(free) + " numbers with an interval; a diagnosis needs " +
+                                           std::to_string(free + kSpare) + ": record more, or state fewer intervals";
+    }
+    for (const experiment::Run& run : e.runs)
+        if (run.readings.time.size() < kFewest)
+            return run.file + " has " + std::to_string(run.readings.time.size()) +
+                   " rows; a diagnosis needs at least " + std::to_string(kFewest) + " readings of each run";
+    return {};
+}
+
 RecordedData recordedDataOf(const experiment::Experiment& e) {
     RecordedData data;
     data.units = replay::naturalUnits(e);
@@ -207,6 +229,8 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.channel = channel.name;
     data.unit = channel.unit;
     data.free = experiment::isFree(e);
+    data.table = experiment::isTable(e);
+    data.drivesLoad = experiment::drivesLoad(e);
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;

@@ -89,6 +89,16 @@ Noise freeNoise(const RecordedData& data) {
     return out;
 }
 
+/// Noise of tables: neighbouring rows are too far apart to show it, and without a clock none is correlated.
+Noise tableNoise(const RecordedData& data) {
+    Noise out;
+    out.marker = markerNoiseOf(data);
+    out.correlationTime = data.usualCorrelationTime();
+    out.white = data.statedForceNoise;
+    out.source = "as stated; the rows of a table do not show it";
+    return out;
+}
+
 } // namespace
 
 double Noise::total() const {
@@ -235,6 +245,8 @@ bool refutes(const RecordedData& data, const std::vector<DwellInterval>& dwells,
 Noise estimateChannel(const RecordedData& recorded, const PeriodicDisturbance& known, const StopToken& stop) {
     if (recorded.free)
         return freeNoise(recorded);
+    if (recorded.table)
+        return tableNoise(recorded);
     const RecordedData data = known.removedFrom(recorded);
     const std::vector<DwellInterval> dwells = dwellIntervalsOf(data);
     const double least = quantisationForceNoise(data, quantisationStep);

@@ -30,10 +30,8 @@ Scored scored(Evaluator& evaluator, const Likelihood& likelihood, FitResult fitt
 Result<replay::LawScore> scoreOfLaw(const experiment::Experiment& e, const std::vector<effects::Setting>& law,
                                     const std::atomic<bool>* interrupt) {
     using Failed = Result<replay::LawScore>;
-    constexpr std::size_t kFewest = 20; // readings of a run, as of a diagnosis
-    for (const experiment::Run& run : e.runs)
-        if (run.readings.time.size() < kFewest)
-            return Failed::failure(run.file + " has too few readings; at least 20 of each run are needed");
+    if (std::string why = tooFewReadings(e); !why.empty())
+        return Failed::failure(std::move(why));
     const RecordedData data = recordedDataOf(e);
     const Noise noise = estimateNoise(data);
     if (noise.total() <= 0.0)

@@ -128,6 +128,58 @@ TEST_CASE("weights at the end of a cantilever bend it as the elastica", "[replay
         CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
 }
 
+TEST_CASE("a table needs no clock: the elastica at its weights, whatever time passes", "[replay][rods][tables]") {
+    const double b = modulus(2e11, 0.02, 1e-3), length = 0.3;
+    std::string rows = "weight_g,tip_mm\n";
+    const std::vector<std::pair<double, double>> table = {
+        {0.0, 0.0}, {1.0, 0.30172}, {2.0, 0.49346}, {5.0, 0.71379}, {10.0, 0.81061}, {2.0, 0.49346}, {0.0, 0.0}};
+    for (const auto& [load, tip] : table)
+        rows +=
+            std::to_string(1e3 * load * b / (length * length) / 9.81) + "," + std::to_string(1e3 * tip * length) + "\n";
+    auto e = Described{"cantilever_weights",
+                       "tip_y",
+                       "tip_mm",
+                       R"("gravity": 0)",
+                       rows,
+                       R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
+                       ""}
+                 .loaded();
+    const auto out = played(e);
+    REQUIRE(out.readings.force.size() == table.size());
+    for (std::size_t i = 0; i < table.size(); ++i) // as with times: 48 arcs err by 2e-4
+        CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
+    for (const double factor : {0.5, 2.0}) {
+        auto other = e;
+        experiment::Run& run = other.runs.front();
+        for (std::vector<double>* times : {&run.driveTime, &run.readings.time})
+            for (double& t : *times)
+                t *= factor;
+        const auto again = played(other);
+        for (std::size_t i = 0; i < table.size(); ++i) // rest is rest: what is left of vibration
+            CHECK(again.readings.force[i] == Approx(out.readings.force[i]).margin(1e-5 * length));
+    }
+}
+
+TEST_CASE("effects that need a clock are refused for tables", "[replay][tables]") {
+    const auto e = Described{"cantilever_weights",
+                             "tip_y",
+                             "tip_mm",
+                             "",
+                             "weight_g,tip_mm\n0,0\n50,3\n100,6\n150,9\n200,12\n250,15\n",
+                             R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
+                             ""}
+                       .loaded();
+    const auto why = [&](const std::string& text) {
+        replay::Parameters p = replay::nominal(e);
+        REQUIRE(effects::add(p.effects, text).empty());
+        return replay::checkEffects(p, e);
+    };
+    CHECK_THAT(why("viscoelastic_bending:eta_over_B_s=0.1"), Catch::Matchers::Contains("needs the times of the rows"));
+    CHECK_THAT(why("sensor_delay:delay_s=0.1"), Catch::Matchers::Contains("needs the times of the rows"));
+    CHECK(why("nonlinear_elasticity:uc_1_m=10").empty());
+    CHECK(why("sensor_gain:error=0.1").empty());
+}
+
 TEST_CASE("a released cantilever vibrates with its own frequency and damping", "[replay][rods]") {
     const double b = modulus(2e11, 0.02, 1e-3), line = 7800.0 * 0.02 * 1e-3, length = 0.3;
     const double w = std::pow(1.8751040687 / length, 2) * std::sqrt(b / line);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # ./prove.sh [--seed N] [--first K] [--state FOLDER] [--jobs N]: makes a blind set of recordings, diagnoses it, opens the
 # answers and prints the scores (docs/results/claims.md). Installs what is missing and builds first. The same command
-# continues a run that was stopped. `./prove.sh --seed 12345 --first 6` takes at most half an hour on two cores.
+# continues a run that was stopped. `./prove.sh --seed 12345 --first 6` is meant for half an hour on two cores.
 set -euo pipefail
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 me=prove.sh

@@ -1,4 +1,5 @@
 #include "elementary_calls.h"
+#include "hidden_includes.h"
 #include "includes.h"
 
 #include <algorithm>
@@ -57,6 +58,46 @@ TEST_CASE("includes follow the arrows of the architecture", "[architecture]") {
         for (const Offence& o : checkIncludes(file, readLines(fs::path(SC_SOURCE_DIR) / file)))
             FAIL_CHECK(o.file << ":" << o.line << ": " << o.why);
     }
+}
+
+TEST_CASE("headers bring what precompiled headers would hide", "[architecture]") {
+    const fs::path top = SC_SOURCE_DIR;
+    supercircle::architecture::Files files;
+    for (const std::string& file : sources())
+        if (fs::path(file).extension() != ".cpp")
+            files.emplace(file, readLines(top / file));
+    for (const auto& [file, lines] : files) // those of tests and examples are compiled with what they need
+        if (file.rfind("tests/", 0) != 0 && file.rfind("examples/", 0) != 0)
+            for (const auto& [header, name] : supercircle::architecture::hiddenIncludes(file, files))
+                FAIL_CHECK(file << " uses " << name << " and does not include <" << header << ">");
+    // The list is that of the build.
+    std::string text;
+    for (const std::string& line : readLines(top / "plugin/cmake/Modules.cmake"))
+        text += line + " ";
+    const std::size_t from = text.find("target_precompile_headers(${name} PRIVATE"), to = text.find(')', from);
+    REQUIRE(from != std::string::npos);
+    const std::set<std::string> known = supercircle::architecture::headersWithKnownNames();
+    int listed = 0;
+    for (std::size_t at = text.find('<', from); at < to; at = text.find('<', at + 1), ++listed) {
+        const std::string header = text.substr(at + 1, text.find('>', at) - at - 1);
+        INFO(header);
+        CHECK(known.count(header) == 1);
+    }
+    CHECK(listed > 20);
+}
+
+TEST_CASE("a hidden include is found through the project's own headers", "[architecture]") {
+    const supercircle::architecture::Files files = {
+        {"a/own.h", {"#include <vector>"}},
+        {"a/good.h", {"#include \"a/own.h\"", "std::vector<int> v; // std::map", "std::pair<int, int> p;"}},
+        {"a/bad.h",
+         {"#include <string>", "std::optional<std::string> x;", "std::string_view y;", "Eigen::VectorXd z;"}},
+        {"a/longer.h", {"std::optional_thing x; my::std::vector y;"}}};
+    using Hidden = std::map<std::string, std::string>;
+    CHECK(supercircle::architecture::hiddenIncludes("a/good.h", files).empty());
+    CHECK(supercircle::architecture::hiddenIncludes("a/longer.h", files).empty());
+    CHECK(supercircle::architecture::hiddenIncludes("a/bad.h", files) ==
+          Hidden{{"optional", "std::optional"}, {"Eigen/Core", "Eigen::"}});
 }
 
 TEST_CASE("no folder holds more than twenty sources", "[architecture]") {

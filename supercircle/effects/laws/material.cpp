@@ -63,6 +63,20 @@ YieldResult yieldStep(const MaterialModel& m, double stiffness, double u, double
     return {plastic + s * d, hardened + d, d};
 }
 
+/// Moment and tangent over B of the springs and the yielding, `ahead` s from now.
+MaterialResponse springs(const rod::RodModel& rod, const Material& m, int element, double curvature, double ahead) {
+    const auto e = static_cast<std::size_t>(element);
+    const Section& section = m.cumulativeSections.back();
+    const double stiffness = remaining(m.model, m.age + ahead) * section.factor[e];
+    const double u = curvature - naturalCurvature(rod, element) - section.curvature[e];
+    const YieldResult y = yieldStep(m.model, stiffness, u, m.plastic[e], m.hardened[e]);
+    const ElasticResponse g = evaluate(m.model.elastic, u - y.plastic);
+    double moment = stiffness * g.value, tangent = stiffness * g.slope;
+    if (y.increment > 0.0)
+        tangent *= m.model.hardening / (tangent + m.model.hardening);
+    return {moment, tangent, y.plastic, y.hardened};
+}
+
 /// Energies by cause, each relative to the state without it: J/m without the factor B.
 template <class Add>
 void storedLine(const rod::RodModel& rod, const Material& m, std::size_t e, double kappa, Add&& add) {
@@ -130,18 +144,37 @@ void applyLongRest(Material& m) {
         std::fill(branch.begin(), branch.end(), 0.0);
 }
 
+MaterialResponse springResponse(const rod::RodModel& rod, const Material& m, int element, double curvature,
+                                double ahead) {
+    const double B = rod.definition().bendingModulus;
+    MaterialResponse r = springs(rod, m, element, curvature, ahead);
+    r.moment *= B;
+    r.tangent *= B;
+    return r;
+}
+
+double softeningLoss(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, const Eigen::VectorXd& q1,
+                     double from, double to) {
+    const double lost = remaining(m.model, m.age + from) - remaining(m.model, m.age + to);
+    if (lost == 0.0)
+        return 0.0;
+    const Section& section = m.cumulativeSections.back();
+    double sum = 0.0; // of both ends
+    for (int i = 0; i < rod.elements(); ++i) {
+        const auto e = static_cast<std::size_t>(i);
+        const double unstrained = naturalCurvature(rod, i) + section.curvature[e] + m.plastic[e];
+        for (const Eigen::VectorXd* end : {&q, &q1})
+            sum += rod.elementLength(i) * section.factor[e] *
+                   evaluate(m.model.elastic, (*end)[rod.dofOfElement(i)] - unstrained).energy;
+    }
+    return 0.5 * rod.definition().bendingModulus * lost * sum;
+}
+
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& m, int element, double before, double now,
                                   double dt) {
     const auto e = static_cast<std::size_t>(element);
     const double B = rod.definition().bendingModulus;
-    const Section& section = m.cumulativeSections.back();
-    const double stiffness = remaining(m.model, m.age + dt) * section.factor[e];
-    const double u = now - naturalCurvature(rod, element) - section.curvature[e];
-    const YieldResult y = yieldStep(m.model, stiffness, u, m.plastic[e], m.hardened[e]);
-    const ElasticResponse g = evaluate(m.model.elastic, u - y.plastic);
-    double moment = stiffness * g.value, tangent = stiffness * g.slope;
-    if (y.increment > 0.0)
-        tangent *= m.model.hardening / (tangent + m.model.hardening);
+    auto [moment, tangent, plastic, hardened] = springs(rod, m, element, now, dt);
     moment += m.model.viscosity * (now - before) / dt;
     tangent += m.model.viscosity / dt;
     for (std::size_t b = 0; b < m.model.branches.size(); ++b) {
@@ -149,7 +182,7 @@ MaterialResponse materialResponse(const rod::RodModel& rod, const Material& m, i
         moment += branch.stiffness * relaxed(branch, m.overstress[b][e], now - before, dt);
         tangent += branch.stiffness * meanDecay(dt / branch.time);
     }
-    return {B * moment, B * tangent, y.plastic, y.hardened};
+    return {B * moment, B * tangent, plastic, hardened};
 }
 
 void storedEnergy(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, EffectEnergies& energies) {

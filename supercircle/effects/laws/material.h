@@ -39,6 +39,14 @@ struct MaterialResponse {
     double plastic = 0.0, hardened = 0.0; ///< 1/m
 };
 
+/// The same without viscosity and Maxwell branches, `ahead` s from now.
+MaterialResponse springResponse(const rod::RodModel& rod, const Material& material, int element, double curvature,
+                                double ahead);
+
+/// Energy that springs under load lose from `from` to `to` s from now because they soften, J; curvatures of q, then q1.
+double softeningLoss(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q,
+                     const Eigen::VectorXd& q1, double from, double to);
+
 /// Moment at the end of a step of `dt` from curvature `before` to `now`.
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& material, int element, double before,
                                   double now, double dt);

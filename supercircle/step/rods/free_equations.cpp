@@ -1,5 +1,6 @@
 #include "supercircle/step/rods/free_equations.h"
 
+#include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/support/invariants.h"
 
@@ -50,6 +51,7 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
         const int element = model.elementOfDof(i);
         w_.A(i, i) += tau * (tau * tangentOf(element, q[i]) + viscosity_ * rod::bendingStiffness(model, element));
     }
+    addRelaxingTangent(rod_, tau, w_.A);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
@@ -59,26 +61,24 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
 double FreeEquations::tangentOf(int element, double curvature) const {
     if (!rod_.effects.material.on())
         return rod::bendingStiffness(rod_.model, element);
-    constexpr double kUnit = 1.0; // s: of a step without change, whose viscous part is known
-    const effects::Material& m = rod_.effects.material;
-    const double slope = effects::materialResponse(rod_.model, m, element, curvature, curvature, kUnit).tangent -
-                         m.model.viscosity / kUnit * rod_.model.definition().bendingModulus;
+    const double slope = effects::springResponse(rod_.model, rod_.effects.material, element, curvature, 0.0).tangent;
     return std::max(0.0, slope) * rod_.model.elementLength(element);
 }
 
 /// Force of bending and damping at a stage.
-void FreeEquations::addBending(const FreeStage& s) {
+void FreeEquations::addBending(double tau, double ahead, FreeStage& s) {
     const rod::RodModel& model = rod_.model;
     const bool effects = rod_.effects.material.on();
     if (!effects)
         rod::addBendingForce(model, s.q, f_.force);
     for (int k = 0; k < model.elements(); ++k) {
         const int element = model.elementOfDof(k);
-        if (effects) // without a change there is no viscous moment
+        if (effects)
             f_.force[k] -= model.elementLength(element) *
-                           effects::materialResponse(model, rod_.effects.material, element, s.q[k], s.q[k], 1.0).moment;
+                           effects::springResponse(model, rod_.effects.material, element, s.q[k], ahead).moment;
         f_.force[k] -= viscosity_ * rod::bendingStiffness(model, element) * s.v[k];
     }
+    addRelaxing(rod_, tau, s, f_.force);
 }
 
 /// Rows of the centre of mass, times the mass.
@@ -156,13 +156,13 @@ void FreeEquations::eliminate() {
     f_.schur.noalias() = f_.C * f_.solved;
 }
 
-void FreeEquations::residual(double tau, FreeStage& s) {
+void FreeEquations::residual(double tau, double ahead, FreeStage& s) {
     const rod::RodModel& model = rod_.model;
     s.q = s.q0 + tau * s.v;
     evaluate(s.q, s.v);
     rod::inertialForce(model, w_.kin, w_.gauss, f_.rate, f_.u, f_.force);
     f_.force[model.dofTheta()] = 0.0; // it is round-off: nothing turns a rod about its centre of mass
-    addBending(s);
+    addBending(tau, ahead, s);
     f_.force.segment<2>(x()) = mass() * world_.gravity;
     addForces();
     rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);

@@ -19,8 +19,9 @@ public:
     /// A = M + tau^2 K + tau D, at the geometry evaluated last and the curvatures of `q`.
     /// `pulled`: with the geometric stiffness RodWork::axial.
     void factor(double tau, const Eigen::VectorXd& q, bool pulled);
-    /// What a stage leaves of its equation at the guess s.v: s.q, s.p, and s.change = A^-1 (p(Q) + tau F - M v).
-    void residual(double tau, FreeStage& s);
+    /// What a stage, `ahead` s from the start of the whole step, leaves of its equation at the guess s.v: s.q, s.p, and
+    /// s.change = A^-1 (p(Q) + tau F - M v).
+    void residual(double tau, double ahead, FreeStage& s);
     /// Rows of the holds at the geometry evaluated last, about the centre of mass, and room for those of joints.
     void holdRows();
     /// Adds the rows of a point `offset` from the centre line, times `sign`, to rows of joints; those of its angle.
@@ -36,7 +37,7 @@ private:
     [[nodiscard]] Eigen::Index x() const { return rod_.model.dofX(); }
     [[nodiscard]] double mass() const { return rod_.model.mass(); }
     [[nodiscard]] double tangentOf(int element, double curvature) const;
-    void addBending(const FreeStage& s);
+    void addBending(double tau, double ahead, FreeStage& s);
     void meanRows();
     void addForces();
 

@@ -1,6 +1,7 @@
 #include "supercircle/step/rods/free_motion.h"
 
 #include "supercircle/step/applied_forces.h"
+#include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/free_system.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/rods/sdirk2.h"
@@ -25,21 +26,6 @@ constexpr double kJoinedError = 0.005;
 /// makes a quarter more steps of their own in fast turns, and none in slow ones; twice as much lets 60 % more in.
 constexpr double kGain = 1e-3;
 constexpr double kLongestGrowth = 2.0, kShortestCut = 0.25; ///< of a step
-
-/// Whether the moment depends on curvature and its rate alone, not on what was before.
-bool isMemoryless(const effects::MaterialModel& m) {
-    return m.branches.empty() && m.softening == 0.0 && std::isinf(m.yield);
-}
-
-/// Moves the state of the rod's effects over a step, in which their viscosity took `damped` J. Returns what they took.
-double acceptMaterial(Rod& rod, double dt, double damped) {
-    effects::RodEffects& fx = rod.effects;
-    const double before = effects::taken(fx.energies);
-    fx.material.age += dt;
-    effects::storedEnergy(rod.model, fx.material, rod.q, fx.energies);
-    fx.energies[static_cast<std::size_t>(effects::Key::ViscoelasticBending)].dissipated += damped;
-    return effects::taken(fx.energies) - before;
-}
 
 /// One motion from the start of the step to its end, of rods that joints tie to each other or of one alone.
 class FreeMotion {
@@ -71,6 +57,7 @@ private:
     FreeSystem system_;
     double shortest_ = 0.0; ///< step of their own, s
     double energy_ = 0.0;   ///< of joined rods and the bodies on them at the start of a step of their own, J
+    bool yields_ = false;   ///< a rod flows: the ordinary step has the flow rule
 };
 
 /// State at the start, from the material velocities.
@@ -91,6 +78,7 @@ void FreeMotion::beginRod(const Rod& rod, FreeWork& f) {
     f.p.segment<2>(x) = model.mass() * drift;
     f.v.segment<2>(x) = drift;
     f.holdWork = f.damped = 0.0;
+    beginMaterial(rod, f);
     f.least = rod::bendingEnergy(model, rod.q);
     f.closest = std::numeric_limits<double>::infinity();
     f.about = 0.0;
@@ -281,6 +269,7 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
             f.damped +=
                 weight * tau * viscosity * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k] * s.v[k];
     }
+    takeMaterial(rod, start, size, f);
 }
 
 /// One step of `size` s from `start` s on; the geometry is evaluated at its start, then at its end. False: too long.
@@ -292,6 +281,10 @@ bool FreeMotion::tryStep(double start, double size) {
         return false;
     system_.startStage(1);
     if (!system_.solve(1, tau, start + size))
+        return false;
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        yields_ = yields_ || yields(system_.rod(i), system_.free(i), start + tau, start + size);
+    if (yields_)
         return false;
     const double error = settings_.fixedDt > 0.0 ? 0.0 : errorOf(tau);
     const double wanted =
@@ -386,7 +379,7 @@ bool FreeMotion::run() {
             size = left / std::max(1.0, std::ceil(left / std::max(g_.size, shortest) * (1.0 - 1e-9)));
         g_.size = 0.5 * size; // where it fails without an estimate
         if (!tryStep(done, size)) {
-            if (settings_.fixedDt > 0.0 || size <= shortest * (1.0 + 1e-9))
+            if (yields_ || settings_.fixedDt > 0.0 || size <= shortest * (1.0 + 1e-9))
                 return false;
             system_.evaluate();
             continue;
@@ -404,8 +397,7 @@ bool FreeMotion::run() {
 
 bool mayMoveFreely(const Rod& rod) {
     const effects::RodEffects& fx = rod.effects;
-    return !rod.frozen() && rod.mouseJoints.empty() && !fx.drag.on() && !fx.adhesion.model.on() &&
-           (!fx.material.on() || isMemoryless(fx.material.model));
+    return !rod.frozen() && rod.mouseJoints.empty() && !fx.drag.on() && !fx.adhesion.model.on();
 }
 
 bool moveFreely(const World& world, const Settings& settings, const std::vector<BodyMotion>& motion, double dt,
@@ -441,7 +433,7 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     energies.holdWork = f.holdWork;
     energies.damping = f.damped > 0.0 ? f.damped * (rod.dampingTime / viscosityOf(rod)) : 0.0;
     if (rod.effects.material.on())
-        energies.effects = acceptMaterial(rod, dt, f.damped - energies.damping);
+        energies.effects = acceptMaterial(rod, dt, f.damped - energies.damping, f);
     // What the scheme took, in total: its parts have no sign of their own.
     energies.secondOrder = energies.holdWork + energies.loadWork - energies.damping - energies.effects -
                            (energies.kineticChange + energies.bendingChange + energies.gravityChange);

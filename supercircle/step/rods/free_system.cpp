@@ -2,6 +2,7 @@
 
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contacts/contact_stiffness.h"
+#include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/rods/sdirk2.h"
 #include "supercircle/support/invariants.h"
@@ -204,8 +205,10 @@ void FreeSystem::startStage(std::size_t stage) {
             two.v = now.v + (one.v - now.v) / kGamma;
         }
     };
-    for (std::size_t i = 0; i < size(); ++i)
+    for (std::size_t i = 0; i < size(); ++i) {
         start(free(i), free(i).stages);
+        startMaterial(stage, free(i));
+    }
     for (FreeBody& b : g_.bodies)
         start(b, b.stages);
 }
@@ -340,7 +343,7 @@ void FreeSystem::constrainChange() {
 /// One iteration: residuals of all, and the impulses of the rows.
 void FreeSystem::iterate(std::size_t stage, double tau, double ahead) {
     for (std::size_t i = 0; i < size(); ++i)
-        equations(i).residual(tau, free(i).stages[stage]);
+        equations(i).residual(tau, ahead, free(i).stages[stage]);
     for (FreeBody& b : g_.bodies) {
         FreeBodyStage& s = b.stages[stage];
         s.q = s.q0 + tau * (s.v + b.drift);
@@ -395,17 +398,16 @@ bool FreeSystem::solve(std::size_t stage, double tau, double ahead) {
         if (!std::isfinite(size))
             return false;
         const double enough = tolerance_ * motion + floor;
-        const bool done = size <= enough;
-        if (done) {
+        if (size <= enough) {
             for (std::size_t k = 0; k < this->size(); ++k) {
                 FreeStage& s = free(k).stages[stage];
                 s.q = s.q0 + tau * s.v;
+                relax(rod(k), tau, s);
             }
             for (FreeBody& b : g_.bodies)
                 b.stages[stage].q = b.stages[stage].q0 + tau * (b.stages[stage].v + b.drift);
-        }
-        if (done)
             return record(stage, ahead);
+        }
         if (i > 2 && size > 0.7 * last) // too slow to come to an end, or at the end of the digits
             return size <= 1e3 * enough && record(stage, ahead);
         last = size;

@@ -82,10 +82,11 @@ struct SelfPair {
 
 /// A stage of a rod's free motion (free_motion.h).
 struct FreeStage {
-    Eigen::VectorXd q0, p0;  ///< where it starts
-    Eigen::VectorXd q, p, v; ///< what it finds
-    Eigen::VectorXd impulse; ///< of its holds, then of its joints, N s
-    Eigen::VectorXd change;  ///< scratch
+    Eigen::VectorXd q0, p0;                      ///< where it starts
+    Eigen::VectorXd q, p, v;                     ///< what it finds
+    Eigen::VectorXd impulse;                     ///< of its holds, then of its joints, N s
+    Eigen::VectorXd change;                      ///< scratch
+    std::vector<double> overstress0, overstress; ///< of Maxwell branches, by branch and element, 1/m
 };
 
 /// Free motion of a rod within a step: state and storage. q, p, v have the centre of mass in place of the middle.
@@ -96,6 +97,8 @@ struct FreeWork {
     double tau = 0.0, size = 0.0, vibration = 0.0;             ///< of its group
     double least = 0.0;                                        ///< see Rod::leastBending
     double holdWork = 0.0, damped = 0.0;                       ///< J
+    double relaxed = 0.0, softened = 0.0;                      ///< by Maxwell branches and by age, J
+    std::vector<double> overstress;                            ///< as in FreeStage
     int steps = 0, iterations = 0;                             ///< of its group
     Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m
     double about = 0.0;                                        ///< farthest way of its points about it, m

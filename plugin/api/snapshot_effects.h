@@ -115,8 +115,8 @@ void io(Ar& ar, Is<effects::Site> auto& s) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::Setting> auto& s) {
-    auto& [key, shell, values] = s;
-    ar(key, shell, values);
+    auto& [key, shell, values, channel] = s;
+    ar(key, shell, values, channel);
     demand(ar, key < effects::Key::Count &&
                    values.size() == effects::catalog()[static_cast<std::size_t>(key)].parameters.size());
 }

@@ -55,8 +55,9 @@ const Effect* find(std::string_view label);
 /// One effect with values, as given by a scene, a command line or a fit.
 struct Setting {
     Key key = Key::Count;
-    std::string shell = "all"; ///< name of a shell; of a sensor that of a channel beside the first one
+    std::string shell = "all"; ///< name of a shell
     Values values;
+    std::string channel{}; ///< of a sensor: name of a channel beside the first one; empty: the first one
     bool operator==(const Setting&) const = default;
 };
 
@@ -79,7 +80,7 @@ bool isOff(const Setting& setting);
 /// Empty, or which settings are inconsistent.
 [[nodiscard]] std::string validate(const std::vector<Setting>& settings);
 
-/// The sensor of a channel; "all": of the first one.
+/// The sensor of a channel; empty: of the first one.
 SensorModel sensorOf(const std::vector<Setting>& settings, std::string_view channel);
 /// The model of the shell called `shell`: its own settings and those of all shells.
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell);

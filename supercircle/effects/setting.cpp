@@ -113,7 +113,7 @@ std::string set(Setting& setting, std::string_view parameter, std::string_view v
         return {};
     }
     if (parameter == "channel" && effect.slot == Slot::Sensor) {
-        setting.shell = value;
+        setting.channel = value;
         return {};
     }
     std::size_t i = 0;
@@ -161,12 +161,11 @@ std::string validate(const std::vector<Setting>& settings) {
                 return "effect " + effect.name + ": " + why;
         for (std::size_t k = 0; k < i; ++k)
             if (settings[k].key == settings[i].key && !effect.repeatable &&
-                (settings[k].shell == settings[i].shell ||
-                 (effect.slot != Slot::Sensor && (settings[k].shell == "all" || settings[i].shell == "all"))))
+                settings[k].channel == settings[i].channel &&
+                (settings[k].shell == settings[i].shell || settings[k].shell == "all" || settings[i].shell == "all"))
                 return "effect " + effect.name + " is given twice" +
-                       (settings[i].shell == "all" ? ""
-                                                   : (effect.slot == Slot::Sensor ? " to channel \"" : " to shell \"") +
-                                                         settings[i].shell + "\"");
+                       (settings[i].channel.empty() ? "" : " to channel \"" + settings[i].channel + "\"") +
+                       (settings[i].shell == "all" ? "" : " to shell \"" + settings[i].shell + "\"");
     }
     return {};
 }
@@ -174,7 +173,7 @@ std::string validate(const std::vector<Setting>& settings) {
 SensorModel sensorOf(const std::vector<Setting>& settings, std::string_view channel) {
     Model model;
     for (const Setting& s : settings)
-        if (!isOff(s) && effectOf(s).slot == Slot::Sensor && s.shell == channel)
+        if (!isOff(s) && effectOf(s).slot == Slot::Sensor && s.channel == channel)
             effectOf(s).apply(s.values, model);
     return model.sensor;
 }
@@ -182,7 +181,7 @@ SensorModel sensorOf(const std::vector<Setting>& settings, std::string_view chan
 Model modelFor(const std::vector<Setting>& settings, std::string_view shell) {
     Model model;
     for (const Setting& s : settings)
-        if (!isOff(s) && (s.shell == "all" || s.shell == shell))
+        if (!isOff(s) && s.channel.empty() && (s.shell == "all" || s.shell == shell))
             effectOf(s).apply(s.values, model);
     return model;
 }
@@ -210,7 +209,7 @@ std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::stri
 std::vector<std::string> shellsNamed(const std::vector<Setting>& settings) {
     std::vector<std::string> names;
     for (const Setting& s : settings)
-        if (s.shell != "all" && effectOf(s).slot != Slot::Sensor)
+        if (s.shell != "all")
             names.push_back(s.shell);
     return names;
 }

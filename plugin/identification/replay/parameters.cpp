@@ -235,25 +235,25 @@ const scene::Observation& observationOf(const Experiment& e, std::size_t channel
 
 /// Index of the channel that a sensor belongs to; nothing if there is none.
 std::optional<std::size_t> channelOf(const effects::Setting& s, const Experiment& e) {
-    if (s.shell == "all")
+    if (s.channel.empty())
         return 0;
     const auto& further = experiment::furtherChannels(e);
     for (std::size_t k = 0; k < further.size(); ++k)
-        if (further[k].observe == s.shell)
+        if (further[k].observe == s.channel)
             return k + 1;
     return std::nullopt;
 }
 
 /// Why a sensor acts on no channel; empty: it does.
 std::string channelProblem(const effects::Setting& s, const Experiment& e) {
-    if (effects::catalog()[static_cast<std::size_t>(s.key)].slot != effects::Slot::Sensor || channelOf(s, e))
+    if (channelOf(s, e))
         return {};
     std::vector<std::string> names;
     for (const experiment::FurtherChannel& c : experiment::furtherChannels(e))
         names.push_back(c.observe);
-    return s.shell == experiment::channel(e).name
-               ? "sensor effects act on the first channel, " + s.shell + ", without \"channel\""
-               : "there is no channel \"" + s.shell + "\" beside the first one" + didYouMean(s.shell, names);
+    return s.channel == experiment::channel(e).name
+               ? "sensor effects act on the first channel, " + s.channel + ", without \"channel\""
+               : "there is no channel \"" + s.channel + "\" beside the first one" + didYouMean(s.channel, names);
 }
 
 /// Whether an effect depends on times, speeds or rests, which a table does not record.

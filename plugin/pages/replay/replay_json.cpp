@@ -19,7 +19,7 @@ Json effectsOn(const replay::Parameters& parameters) {
         const effects::Effect& effect = effects::catalog()[static_cast<std::size_t>(s.key)];
         if (effects::isOff(s))
             continue;
-        Json& one = out[effect.name];
+        Json& one = out[effect.name + (s.channel.empty() ? "" : "." + s.channel)];
         one["shell"] = s.shell;
         for (std::size_t i = 0; i < effect.parameters.size(); ++i)
             if (const effects::Parameter& p = effect.parameters[i]; !p.choices.empty())

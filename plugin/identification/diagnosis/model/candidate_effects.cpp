@@ -69,7 +69,7 @@ public:
         : candidateEffects_(candidateEffects), experiment_(e), without_(without) {}
 
     /// Begins a candidate; all following calls refer to it.
-    /// @param shell name of a specimen, or of the channel of a sensor
+    /// @param shell name of a specimen
     CandidateBuilder& variant(const std::string& label, const std::string& words = {},
                               const std::string& shell = "all") {
         finish();
@@ -83,12 +83,18 @@ public:
         candidate_.label = label;
         candidate_.slot = effects::name(effect_->slot);
         candidate_.variant = words;
+        const auto add = [&](const std::string& more) {
+            candidate_.variant += (candidate_.variant.empty() ? "" : ", ") + more;
+        };
         if (shell != "all")
-            candidate_.variant +=
-                std::string(words.empty() ? "" : ", ") + (channel_ > 0 ? "channel " : "specimen ") + shell;
+            add("specimen " + shell);
+        if (channel_ > 0)
+            add("channel " + experiment::furtherChannels(experiment_)[channel_ - 1].observe);
         candidate_.law = effect_->law;
         mapping_ = {effects::off(*effect_), {}, readingOf(label)};
         mapping_.base.shell = shell;
+        if (channel_ > 0)
+            mapping_.base.channel = experiment::furtherChannels(experiment_)[channel_ - 1].observe;
         return *this;
     }
     /// Fixes a parameter of the effect.
@@ -144,8 +150,11 @@ public:
         candidate_.probes.push_back(in);
         return *this;
     }
-    /// Following candidates are sensors of this channel.
-    void ofChannel(std::size_t channel) { channel_ = channel; }
+    /// Following candidates are sensors of this channel; 0: the first one.
+    void ofChannel(std::size_t channel) {
+        finish();
+        channel_ = channel;
+    }
     void finish() {
         if (effect_ != nullptr && !candidate_.probes.empty()) {
             candidateEffects_.candidates.push_back(candidate_);
@@ -188,12 +197,9 @@ void gravity(CandidateBuilder& w, const ExperimentScales& s, double along, doubl
 }
 
 /// @param second s, unit of `probe`
-/// @param channel that reads late
-void delay(CandidateBuilder& w, double second, double probe, const std::string& channel = "all") {
-    w.variant("sensor_delay", "pure", channel).amplitude("delay_s", 0.0, second, 0.01 * second);
-    w.probe({probe * second});
-    w.variant("sensor_delay", "low pass", channel).amplitude("lag_s", 0.0, 2.0 * second, 0.01 * second);
-    w.probe({probe * second});
+void delay(CandidateBuilder& w, double second, double probe) {
+    w.variant("sensor_delay", "pure").amplitude("delay_s", 0.0, second, 0.01 * second).probe({probe * second});
+    w.variant("sensor_delay", "low pass").amplitude("lag_s", 0.0, 2.0 * second, 0.01 * second).probe({probe * second});
 }
 
 void material(CandidateBuilder& w, const ExperimentScales& s) {
@@ -309,11 +315,11 @@ void backlashOfReversals(CandidateBuilder& w, const ExperimentScales& s) {
 }
 
 /// @param force N, largest of the load cell
-void drift(CandidateBuilder& w, const ExperimentScales& s, double force, const std::string& channel = "all") {
-    w.variant("sensor_drift", "towards an end", channel).amplitude("a_N", -force, force, 0.02 * force);
+void drift(CandidateBuilder& w, const ExperimentScales& s, double force) {
+    w.variant("sensor_drift", "towards an end").amplitude("a_N", -force, force, 0.02 * force);
     w.extent("tau_s", 0.5 * s.second, 5.0 * s.duration);
     w.probe({0.05 * force, 0.2 * s.duration}).probe({0.05 * force, s.duration}).probe({0.05 * force, 2.0 * s.second});
-    w.variant("sensor_drift", "steady", channel)
+    w.variant("sensor_drift", "steady")
         .amplitude("rate_N_s", -force / s.second, force / s.second, 0.02 * force / s.duration);
     w.probe({0.05 * force / s.duration});
 }
@@ -340,16 +346,13 @@ double largestOf(const Experiment& e, std::size_t further) {
 void furtherSensors(CandidateBuilder& w, const ExperimentScales& s, const Experiment& e) {
     const auto& further = experiment::furtherChannels(e);
     for (std::size_t k = 0; k < further.size(); ++k) {
-        w.finish();
         if (further[k].channel.weight == 0.0)
             continue;
         w.ofChannel(k + 1);
-        const std::string& name = further[k].observe;
-        drift(w, s, largestOf(e, k), name);
-        w.variant("sensor_gain", "", name).amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
-        delay(w, s.second, experiment::isMechanism(e) ? 0.01 : 0.05, name);
+        drift(w, s, largestOf(e, k));
+        w.variant("sensor_gain").amplitude("error", -0.6, 1.5, 0.03).probe({0.1});
+        delay(w, s.second, experiment::isMechanism(e) ? 0.01 : 0.05);
     }
-    w.finish();
     w.ofChannel(0);
 }
 

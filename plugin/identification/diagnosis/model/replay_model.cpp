@@ -255,7 +255,7 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
         for (std::size_t i = 0; i < term.values.size(); ++i)
             setting.values[mapping.parameterAt[i]] =
                 toPhysical(candidateEffects_.candidates[term.candidate].parameters[i].scale, term.values[i]);
-        const effects::SensorModel sensor = effects::sensorOf({setting}, setting.shell);
+        const effects::SensorModel sensor = effects::sensorOf({setting}, setting.channel);
         force *= 1.0 + sensor.gain;
         if (mapping.readingEffect == ReadingEffect::Drift)
             add(force, time, [&](std::size_t k) {

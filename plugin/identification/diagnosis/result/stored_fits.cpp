@@ -99,6 +99,8 @@ std::vector<std::string> assignmentsOf(const std::vector<effects::Setting>& all)
         const effects::Effect& effect = effects::catalog()[static_cast<std::size_t>(s.key)];
         if (s.shell != "all")
             out.push_back(effect.name + ":shell=" + s.shell);
+        if (!s.channel.empty())
+            out.push_back(effect.name + ":channel=" + s.channel);
         for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
             const effects::Parameter& p = effect.parameters[i];
             std::string text = effect.name + ":" + p.name + "=";

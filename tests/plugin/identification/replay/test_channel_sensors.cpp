@@ -72,11 +72,11 @@ TEST_CASE("a sensor effect on no channel is refused with the nearest name", "[re
     std::vector<effects::Setting> both;
     for (const char* name : {"all", "acceleration"}) {
         both.push_back(effects::off(*effects::find("sensor_gain")));
-        both.back().shell = name;
+        both.back().channel = name;
         both.back().values.front() = 0.1;
     }
     CHECK(effects::validate(both).empty());
-    both.back().shell = "all";
+    both.back().channel.clear();
     CHECK_THAT(effects::validate(both), Contains("given twice"));
     CHECK_THAT(effects::add(both, "plasticity:channel=force"), Contains("no parameter \"channel\""));
 }

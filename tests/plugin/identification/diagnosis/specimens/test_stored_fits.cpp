@@ -138,7 +138,10 @@ TEST_CASE("a law is restated for another section of the same material", "[diagno
     CHECK(valueOf(*law, "static_friction_excess", "mu_s_over_mu_k") == 1.4);
     CHECK(valueOf(*law, "sensor_gain", "error") == 0.02);
     CHECK(law->effects.size() + 1 == fit.effects.size()); // the crease is that of one specimen
-    fit.effects = {fit.effects.back()};
+    fit.effects = {effect("sensor_gain", {{"error", 0.02}})};
+    fit.effects.back().channel = "acceleration"; // stays with its sensor
+    CHECK(diagnosis::carriedTo(to, fit)->effects.front().channel == "acceleration");
+    fit.effects = {effect("local_damage", {{"stiffness_drop", 0.5}})};
     CHECK_THAT(diagnosis::carriedTo(to, fit).error(), Contains("is a defect of one specimen"));
 }
 

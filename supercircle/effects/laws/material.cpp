@@ -77,6 +77,11 @@ MaterialResponse springs(const rod::RodModel& rod, const Material& m, int elemen
     return {moment, tangent, y.plastic, y.hardened};
 }
 
+/// Of kinematic hardening, J/m without the factor B.
+double backEnergy(const Material& m, std::size_t e) {
+    return m.model.kinematic ? 0.5 * m.model.hardening * m.plastic[e] * m.plastic[e] : 0.0;
+}
+
 /// Energies by cause, each relative to the state without it: J/m without the factor B.
 template <class Add>
 void storedLine(const rod::RodModel& rod, const Material& m, std::size_t e, double kappa, Add&& add) {
@@ -94,7 +99,7 @@ void storedLine(const rod::RodModel& rod, const Material& m, std::size_t e, doub
     }
     const Section& section = m.cumulativeSections.back();
     const double u = strain - section.curvature[e] - m.plastic[e];
-    const double back = m.model.kinematic ? 0.5 * m.model.hardening * m.plastic[e] * m.plastic[e] : 0.0;
+    const double back = backEnergy(m, e);
     next(Key::Plasticity, 0.5 * section.factor[e] * u * u + back);
     const double energy = evaluate(m.model.elastic, u).energy;
     next(Key::NonlinearElasticity, section.factor[e] * energy + back);
@@ -153,21 +158,17 @@ MaterialResponse springResponse(const rod::RodModel& rod, const Material& m, int
     return r;
 }
 
-double softeningLoss(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, const Eigen::VectorXd& q1,
-                     double from, double to) {
-    const double lost = remaining(m.model, m.age + from) - remaining(m.model, m.age + to);
-    if (lost == 0.0)
-        return 0.0;
+double springEnergy(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, double ahead) {
+    const double B = rod.definition().bendingModulus, left = remaining(m.model, m.age + ahead);
     const Section& section = m.cumulativeSections.back();
-    double sum = 0.0; // of both ends
+    double sum = 0.0;
     for (int i = 0; i < rod.elements(); ++i) {
         const auto e = static_cast<std::size_t>(i);
-        const double unstrained = naturalCurvature(rod, i) + section.curvature[e] + m.plastic[e];
-        for (const Eigen::VectorXd* end : {&q, &q1})
-            sum += rod.elementLength(i) * section.factor[e] *
-                   evaluate(m.model.elastic, (*end)[rod.dofOfElement(i)] - unstrained).energy;
+        const double u = q[rod.dofOfElement(i)] - naturalCurvature(rod, i) - section.curvature[e] - m.plastic[e];
+        sum +=
+            rod.elementLength(i) * (left * section.factor[e] * evaluate(m.model.elastic, u).energy + backEnergy(m, e));
     }
-    return 0.5 * rod.definition().bendingModulus * lost * sum;
+    return B * sum;
 }
 
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& m, int element, double before, double now,

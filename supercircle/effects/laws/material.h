@@ -43,9 +43,8 @@ struct MaterialResponse {
 MaterialResponse springResponse(const rod::RodModel& rod, const Material& material, int element, double curvature,
                                 double ahead);
 
-/// Energy that springs under load lose from `from` to `to` s from now because they soften, J; curvatures of q, then q1.
-double softeningLoss(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q,
-                     const Eigen::VectorXd& q1, double from, double to);
+/// Energy of these springs in place of the rod's own, J, `ahead` s from now at the curvatures of q.
+double springEnergy(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q, double ahead);
 
 /// Moment at the end of a step of `dt` from curvature `before` to `now`.
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& material, int element, double before,

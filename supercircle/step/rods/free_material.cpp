@@ -71,11 +71,24 @@ bool yields(const Rod& rod, const FreeWork& f, double first, double second) {
     return false;
 }
 
+double bentEnergy(const Rod& rod, const Eigen::VectorXd& q, const std::vector<double>& overstress, double ahead) {
+    if (!rod.effects.material.on())
+        return rod::bendingEnergy(rod.model, q);
+    double energy = effects::springEnergy(rod.model, rod.effects.material, q, ahead);
+    forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int, std::size_t at) {
+        energy += 0.5 * b.stiffness * rod::bendingStiffness(rod.model, element) * overstress[at] * overstress[at];
+    });
+    return energy;
+}
+
 void takeMaterial(const Rod& rod, double start, double size, FreeWork& f) {
     const effects::Material& m = rod.effects.material;
     if (!m.on())
         return;
-    f.softened += effects::softeningLoss(rod.model, m, f.q, f.stages[1].q, start, start + size);
+    for (const Eigen::VectorXd* end : {&f.q, &f.stages[1].q})
+        if (m.model.softening != 0.0) // the spring softens under load and loses its energy
+            f.softened += 0.5 * (effects::springEnergy(rod.model, m, *end, start) -
+                                 effects::springEnergy(rod.model, m, *end, start + size));
     for (std::size_t stage = 0; stage < 2; ++stage) {
         const double weight = (stage == 0 ? kExtrapolate : 1.0) * kGamma * size;
         forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int, std::size_t at) {

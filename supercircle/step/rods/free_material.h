@@ -19,6 +19,9 @@ void addRelaxing(const Rod& rod, double tau, FreeStage& s, Eigen::VectorXd& forc
 void addRelaxingTangent(const Rod& rod, double tau, Eigen::MatrixXd& A);
 /// Whether an element yields in a stage that was solved, `first` and `second` s from the start of the step.
 [[nodiscard]] bool yields(const Rod& rod, const FreeWork& f, double first, double second);
+/// Energy of bending, J: that of the rod's own law or of the material's, and of the overstress of its branches.
+[[nodiscard]] double bentEnergy(const Rod& rod, const Eigen::VectorXd& q, const std::vector<double>& overstress,
+                                double ahead);
 /// What branches and softening took in the step of its own of `size` s from `start` s on.
 void takeMaterial(const Rod& rod, double start, double size, FreeWork& f);
 /// Moves the state of the rod's effects over a step, in which their viscosity took `damped` J. Returns what they took.

@@ -42,9 +42,9 @@ private:
     bool tryStep(double start, double size);
     [[nodiscard]] double errorOf(double tau);
     [[nodiscard]] double vibration(std::size_t stage);
-    [[nodiscard]] double potential(bool second);
+    [[nodiscard]] double potential(bool second, double ahead);
     [[nodiscard]] double holdWork(std::size_t i, double start, double size, double tau);
-    [[nodiscard]] double energyAtEnd();
+    [[nodiscard]] double energyAtEnd(double ahead);
     [[nodiscard]] bool gains(double start, double size, double tau);
     void takeRod(std::size_t i, double start, double size, double tau);
     void measureWay();
@@ -102,7 +102,7 @@ bool FreeMotion::begin() {
         return false;
     if (g_.joints.empty())
         return true;
-    energy_ = potential(false);
+    energy_ = potential(false, 0.0);
     for (std::size_t i = 0; i < system_.size(); ++i)
         energy_ += rod::kineticEnergy(system_.rod(i).gauss, system_.rod(i).u);
     for (const FreeBody& b : g_.bodies)
@@ -111,7 +111,8 @@ bool FreeMotion::begin() {
 }
 
 /// Of bending, gravity and forces on joined rods as evaluated last, at the state or at the end of the second stage, J.
-double FreeMotion::potential(bool second) {
+/// `ahead`: s from the start of the step, for materials that age.
+double FreeMotion::potential(bool second, double ahead) {
     double energy = 0.0;
     for (std::size_t i = 0; i < system_.size() && !g_.joints.empty(); ++i) {
         const Rod& rod = system_.rod(i);
@@ -119,7 +120,9 @@ double FreeMotion::potential(bool second) {
         const FreeWork& f = system_.free(i);
         const rod::Kinematics& kin = system_.work(i).kin;
         const Vec2 centre = f.middle + rod::massCentre(kin, system_.work(i).gauss);
-        energy += rod::bendingEnergy(model, second ? f.stages[1].q : f.q) - model.mass() * world_.gravity.dot(centre);
+        const double bent = second ? bentEnergy(rod, f.stages[1].q, f.stages[1].overstress, ahead)
+                                   : bentEnergy(rod, f.q, f.overstress, ahead);
+        energy += bent - model.mass() * world_.gravity.dot(centre);
         for (const AppliedForce& a : rod.forces) {
             const rod::MaterialPoint at = rod::locate(model, a.s);
             energy -= a.force.dot(kin.point(at) + f.middle) + a.torque * kin.angle(at);
@@ -129,8 +132,8 @@ double FreeMotion::potential(bool second) {
 }
 
 /// At the end of the second stage, J.
-double FreeMotion::energyAtEnd() {
-    double energy = potential(true);
+double FreeMotion::energyAtEnd(double ahead) {
+    double energy = potential(true, ahead);
     for (std::size_t i = 0; i < system_.size(); ++i)
         energy += 0.5 * system_.free(i).stages[1].p.dot(system_.free(i).stages[1].v);
     for (const FreeBody& b : g_.bodies)
@@ -146,7 +149,7 @@ bool FreeMotion::gains(double start, double size, double tau) {
         given += holdWork(i, start, size, tau);
     for (const FreeJoint& j : g_.joints)
         given += kExtrapolate * j.stages[0].given + j.stages[1].given;
-    return energyAtEnd() - energy_ - given > kGain * settings_.freeError * g_.vibration;
+    return energyAtEnd(start + size) - energy_ - given > kGain * settings_.freeError * g_.vibration;
 }
 
 /// Energy of motion that is no rigid one, J; of joined rods, all that is not of their common centre of mass.
@@ -300,7 +303,7 @@ bool FreeMotion::tryStep(double start, double size) {
         takeRod(i, start, size, tau);
     system_.take();
     g_.tau = tau;
-    energy_ = g_.joints.empty() ? 0.0 : energyAtEnd();
+    energy_ = g_.joints.empty() ? 0.0 : energyAtEnd(start + size);
     system_.evaluate();
     ++g_.steps;
     return true;

@@ -1,5 +1,6 @@
 #include "plugin/lab/sweep/slurm.h"
 
+#include "plugin/recording/table/text.h"
 #include "supercircle/support/hash.h"
 
 #include <array>
@@ -17,14 +18,6 @@
 namespace supercircle::sweep {
 
 namespace {
-
-/// One argument for a POSIX shell.
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text)
-        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
 
 void readBoth(std::array<int, 2> files, ProgramOutput& captured) {
     std::array<pollfd, 2> polls{pollfd{files[0], POLLIN, 0}, pollfd{files[1], POLLIN, 0}};
@@ -110,9 +103,9 @@ Result<std::optional<ArrayJob>> findArray(const std::string& name) {
 }
 
 std::string arrayScript(const std::vector<std::string>& command, int parts, const std::string& log) {
-    std::string script = "#!/bin/sh\n#SBATCH --output=" + quoted(log) + "\n#SBATCH --ntasks=1\nexec";
+    std::string script = "#!/bin/sh\n#SBATCH --output=" + record::shellQuoted(log) + "\n#SBATCH --ntasks=1\nexec";
     for (const std::string& argument : command) {
-        std::string text = quoted(argument);
+        std::string text = record::shellQuoted(argument);
         const auto replace = [&text](const std::string& what, const std::string& by) {
             for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
                 text.replace(at, what.size(), by);

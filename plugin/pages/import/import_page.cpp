@@ -5,6 +5,7 @@
 #include "plugin/graphics/svg_canvas.h"
 #include "plugin/graphics/theme.h"
 #include "plugin/recording/table/rounded.h"
+#include "plugin/recording/table/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,14 +124,6 @@ std::string exact(double value) {
     return text;
 }
 
-/// Text between single quotes for a shell.
-std::string shellQuoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text)
-        out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
 } // namespace
 
 std::string importPage(const importing::Imported& all, const std::string& command) {
@@ -146,7 +139,7 @@ std::string importPage(const importing::Imported& all, const std::string& comman
         }
         const bool marked =
             std::any_of(t.headings.begin(), t.headings.end(), [](const auto& h) { return !h.marker.empty(); });
-        again += marked ? "" : " --columns " + shellQuoted(columns);
+        again += marked ? "" : " --columns " + record::shellQuoted(columns);
         again += std::string(" --displacement ") + (s.displacementTurned ? "negative" : "positive");
         if (s.find(Quantity::Force) != nullptr)
             again += std::string(" --force ") + (s.forceTurned ? "negative" : "positive") + " --force-zero " +

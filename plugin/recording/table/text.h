@@ -15,6 +15,8 @@ void appendNumber(std::string& out, float value);
 /// doubles.
 void appendJsonNumber(std::string& out, double value);
 
+/// `text` as one argument for a POSIX shell, in single quotes.
+std::string shellQuoted(const std::string& text);
 /// `text` in double quotes with JSON's escapes. Bytes that are not UTF-8 become U+FFFD.
 void appendJsonString(std::string& out, std::string_view text);
 

@@ -466,8 +466,8 @@ class World:
         return _bytes(lambda out, capacity: int(self._call("save", out, capacity)))
 
     def restore(self, state: bytes) -> None:
-        """Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is one of the last sixteen
-        saves of this world; else shells() lists new ones."""
+        """Back to a state of a world with the same bodies; those made since then stay. Shells are valid again if it is
+        one of the last sixteen saves of this world; else shells() lists new ones."""
         self._call("restore", state, len(state))
 
     def start_log(self, seed: int = 0) -> None:

@@ -57,7 +57,8 @@ void drawForces(Canvas& canvas, const Plot& plot, const std::vector<double>& x, 
     canvas.popClip();
 }
 
-void drawLegend(Canvas& canvas, double x, double y) {
+/// @param excluded whether samples are excluded in this picture
+void drawLegend(Canvas& canvas, double x, double y, bool excluded) {
     const auto entry = [&](const char* word, const graphics::Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
@@ -66,6 +67,8 @@ void drawLegend(Canvas& canvas, double x, double y) {
     entry("recorded", kRecorded, 2.6);
     entry("simulated", kSimulated, 1.2);
     entry("simulated - recorded", kResidual, 1.2);
+    if (!excluded)
+        return;
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = theme::grid});
     canvas.text({x + 30.0, y}, "excluded around jumps", {theme::labelSize, theme::muted});
 }
@@ -85,7 +88,7 @@ void drawRun(Canvas& canvas, const experiment::Channel& channel, bool free, cons
         unitFor(std::max(c.comparison.maxError, std::isfinite(worst) ? 0.1 * std::abs(worst) : 0.0));
     const AxisRange force = graphics::rangeOf({&c.recorded.force, &c.simulated.force});
     const AxisRange time = graphics::padded({run.driveTime.front(), run.driveTime.back()}, 0.01);
-    drawLegend(canvas, 80.0, 24.0);
+    drawLegend(canvas, 80.0, 24.0, c.comparison.excludedFraction > 0.0);
 
     const std::string label = std::string(channel.name) + " (" + unit.text + ")";
     PlotStyle style;

@@ -75,6 +75,11 @@ std::string identifiedOnlyBySentence(const FittedEffect& e) {
     return text;
 }
 
+/// Which readings a held-out error is of: free runs are forecast from their beginnings, others are left out.
+std::string heldOutReadings(const Diagnosis& d) {
+    return d.forecast.runs.empty() ? "on held-out runs" : "in forecasts of the later part of each run";
+}
+
 /// Change of the held-out error by the effect. A weak effect, or one visible in markers, hardly changes the error of a
 /// single reading; its evidence is the sum over many readings.
 std::string heldOutSentence(const Diagnosis& d, const FittedEffect& e) {
@@ -84,7 +89,7 @@ std::string heldOutSentence(const Diagnosis& d, const FittedEffect& e) {
     const std::string change = before == after                         ? "stays at "
                                : d.improvedHeldOut < d.baselineHeldOut ? "falls from " + before + " to "
                                                                        : "rises from " + before + " to ";
-    std::string text = "on held-out runs the error of a reading " + change + after + " " + d.unit + noise;
+    std::string text = heldOutReadings(d) + " the error of a reading " + change + after + " " + d.unit + noise;
     if (!(d.improvedHeldOut < d.baselineHeldOut && before != after) && tens >= 1.0)
         text += ", but all readings together are 10^" + rounded(tens, 6) + " times as probable with it";
     return text + ".";
@@ -267,7 +272,7 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
                (d.effects.empty()
                     ? std::string(".")
                     : "; the nearest is " + plainWords(d.effects.front().label) + ", with an error of " +
-                          rounded(d.improvedHeldOut, 3) + " " + d.unit + " on held-out runs at a noise of " +
+                          rounded(d.improvedHeldOut, 3) + " " + d.unit + " " + heldOutReadings(d) + " at a noise of " +
                           rounded(d.noise.total(), 3) + " " + d.unit + amplitudesBeyondRange(d) + ".") +
                learnedSentence(d);
     return ambiguousSentence(d, e);

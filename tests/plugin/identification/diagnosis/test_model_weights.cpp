@@ -223,6 +223,9 @@ TEST_CASE("an ambiguous verdict lists the probabilities of the hypotheses", "[di
         std::string::npos);
     d.effects[1].jointWith.clear();
     CHECK(statementOf(d, e).find("a_N = 0.25 N; jointly with planar drag; on held-out runs") != std::string::npos);
+    d.forecast.runs = {{"swing.csv", 1.0, 0.8, true}}; // free runs are not left out
+    CHECK(statementOf(d, e).find("; in forecasts of the later part of each run") != std::string::npos);
+    d.forecast.runs.clear();
 
     d.noise.white = 0.01; // N
     d.improvedHeldOut = 0.012;

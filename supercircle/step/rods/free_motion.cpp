@@ -17,14 +17,17 @@ namespace {
 
 constexpr double kRememberEnergy = 0.9;  ///< of vibration, a step: it is all bending at times
 constexpr double kShorterToSolve = 16.0; ///< than the error asks for, where stages do not converge
-/// Error of joined rods' own steps, of the amplitude, at most: they have no coordinates in which their rigid motion is
-/// exact. Twice as much takes 3 % more of the energy of a fast triple pendulum of a game in ten swings; half as much
-/// makes 40 % more such steps where errors choose them.
-constexpr double kJoinedError = 0.005;
-/// Energy that a step of joined rods may bring in, of Settings::freeError and what they move with. A strip that its
+/// Error of the steps of joined and of pushed rods, of the amplitude, at most: they have no coordinates in which their
+/// rigid motion is exact. Twice as much takes 3 % more of the energy of a fast triple pendulum of a game in ten swings;
+/// half as much makes 40 % more such steps where errors choose them.
+constexpr double kRigidError = 0.005;
+/// Energy that a step of such rods may bring in, of Settings::freeError and what they move with. A strip that its
 /// tether jerks round in a game swings between 0.5 % too much and too little without it, 0.1 % with it. Half of it
 /// makes a quarter more steps of their own in fast turns, and none in slow ones; twice as much lets 60 % more in.
 constexpr double kGain = 1e-3;
+/// The same of rods that hang on holds alone, of what they move and bend with: a tenth of what raises the alarm on
+/// energy (energy_gain.h). Twice as much lets a fast pendulum of a game raise it in frames of five such steps.
+constexpr double kGainOfHeld = 1e-4;
 constexpr double kLongestGrowth = 2.0, kShortestCut = 0.25; ///< of a step
 
 /// One motion from the start of the step to its end, of rods that joints tie to each other or of one alone.
@@ -45,6 +48,7 @@ private:
     [[nodiscard]] double potential(bool second, double ahead);
     [[nodiscard]] double holdWork(std::size_t i, double start, double size, double tau);
     [[nodiscard]] double energyAtEnd(double ahead);
+    [[nodiscard]] double bending();
     [[nodiscard]] bool gains(double start, double size, double tau);
     void takeRod(std::size_t i, double start, double size, double tau);
     void measureWay();
@@ -55,9 +59,12 @@ private:
     FreeGroup& g_;
     double dt_;
     FreeSystem system_;
-    double shortest_ = 0.0; ///< step of their own, s
-    double energy_ = 0.0;   ///< of joined rods and the bodies on them at the start of a step of their own, J
-    bool yields_ = false;   ///< a rod flows: the ordinary step has the flow rule
+    double least_ = 0.0;  ///< step of their own that errors may ask for, s
+    double energy_ = 0.0; ///< of guarded rods and the bodies on them at the start of a step of their own, J
+    /// Whether the rigid motion has errors too, as joints or forces at points act; whether energy may be brought in, as
+    /// by those or by holds.
+    bool inexact_ = false, guarded_ = false;
+    bool yields_ = false; ///< a rod flows: the ordinary step has the flow rule
 };
 
 /// State at the start, from the material velocities.
@@ -89,6 +96,7 @@ bool FreeMotion::begin() {
     g_.steps = g_.iterations = 0;
     g_.vibration = 0.0;
     g_.size = std::numeric_limits<double>::infinity();
+    inexact_ = !g_.joints.empty();
     for (std::size_t i = 0; i < system_.size(); ++i) {
         const Rod& rod = system_.rod(i);
         beginRod(rod, system_.free(i));
@@ -96,11 +104,13 @@ bool FreeMotion::begin() {
         w.moved = w.shift = w.error = 0.0;
         g_.vibration = std::max(g_.vibration, rod.vibration);
         g_.size = std::min(g_.size, rod.freeStep);
+        inexact_ = inexact_ || !rod.forces.empty();
+        guarded_ = guarded_ || inexact_ || !rod.holds.empty();
     }
     system_.evaluate();
     if (!system_.begin())
         return false;
-    if (g_.joints.empty())
+    if (!guarded_)
         return true;
     energy_ = potential(false, 0.0);
     for (std::size_t i = 0; i < system_.size(); ++i)
@@ -110,11 +120,11 @@ bool FreeMotion::begin() {
     return true;
 }
 
-/// Of bending, gravity and forces on joined rods as evaluated last, at the state or at the end of the second stage, J.
+/// Of bending, gravity and forces on guarded rods as evaluated last, at the state or at the end of the second stage, J.
 /// `ahead`: s from the start of the step, for materials that age.
 double FreeMotion::potential(bool second, double ahead) {
     double energy = 0.0;
-    for (std::size_t i = 0; i < system_.size() && !g_.joints.empty(); ++i) {
+    for (std::size_t i = 0; i < system_.size() && guarded_; ++i) {
         const Rod& rod = system_.rod(i);
         const rod::RodModel& model = rod.model;
         const FreeWork& f = system_.free(i);
@@ -141,31 +151,42 @@ double FreeMotion::energyAtEnd(double ahead) {
     return energy;
 }
 
-/// Whether a step of joined rods brings in more energy than its error may: the scheme takes energy where it is linear,
-/// not where a rod turns fast about a joint.
+/// At the end of the second stage, J.
+double FreeMotion::bending() {
+    double energy = 0.0;
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        energy += rod::bendingEnergy(system_.rod(i).model, system_.free(i).stages[1].q);
+    return energy;
+}
+
+/// Whether a step of guarded rods brings in more energy than its error may: the scheme takes energy where it is linear,
+/// not where a rod turns fast about a joint or by a force at its end.
 bool FreeMotion::gains(double start, double size, double tau) {
     double given = 0.0;
     for (std::size_t i = 0; i < system_.size(); ++i)
         given += holdWork(i, start, size, tau);
     for (const FreeJoint& j : g_.joints)
         given += kExtrapolate * j.stages[0].given + j.stages[1].given;
-    return energyAtEnd(start + size) - energy_ - given > kGain * settings_.freeError * g_.vibration;
+    const double gained = energyAtEnd(start + size) - energy_ - given;
+    double allowed = kGain * settings_.freeError * g_.vibration;
+    if (!inexact_) // at rest, round-off is all that moves
+        allowed = std::max(allowed, kGainOfHeld * (g_.vibration + bending()));
+    return gained > allowed;
 }
 
-/// Energy of motion that is no rigid one, J; of joined rods, all that is not of their common centre of mass.
+/// Energy of motion that is no rigid one, J; of inexact rods, all that is not of their common centre of mass.
 double FreeMotion::vibration(std::size_t stage) {
     double energy = 0.0, mass = 0.0;
     Vec2 momentum = Vec2::Zero();
-    const bool joined = !g_.joints.empty();
     for (std::size_t i = 0; i < system_.size(); ++i) {
         const Rod& rod = system_.rod(i);
         const FreeStage& s = system_.free(i).stages[stage];
         const Eigen::MatrixXd& A = system_.work(i).A;
         const Eigen::Index x = rod.model.dofX(), T = rod.model.dofTheta();
         energy += 0.5 * (s.p.head(x).dot(s.v.head(x)) + s.p[T] * s.v[T]);
-        if (!joined && rod.holds.empty() && A(T, T) > 0.0)
+        if (!inexact_ && rod.holds.empty() && A(T, T) > 0.0)
             energy -= 0.5 * s.p[T] * s.p[T] / A(T, T);
-        if (joined) {
+        if (inexact_) {
             energy += 0.5 * s.p.segment<2>(x).dot(s.v.segment<2>(x));
             momentum += s.p.segment<2>(x);
             mass += rod.model.mass();
@@ -176,7 +197,7 @@ double FreeMotion::vibration(std::size_t stage) {
         momentum += b.stages[stage].p.head<2>();
         mass += b.mass.x();
     }
-    if (joined && !g_.tied)
+    if (inexact_ && !g_.tied)
         energy -= 0.5 * momentum.squaredNorm() / mass;
     return std::max(0.0, energy);
 }
@@ -206,7 +227,7 @@ double FreeMotion::errorOf(double tau) {
             energy += 0.5 * rod::bendingStiffness(model, model.elementOfDof(k)) * bent * bent;
             way += std::abs(bent) * model.elementLength(model.elementOfDof(k));
         }
-        if (!g_.joints.empty()) { // its rigid motion is not free of errors
+        if (inexact_) {
             const Eigen::Index T = model.dofTheta(), x = model.dofX();
             way += tau * (std::abs(two.v[T] - one.v[T]) +
                           2.0 * (two.v - one.v).segment<2>(x).norm() / model.definition().length);
@@ -217,7 +238,7 @@ double FreeMotion::errorOf(double tau) {
     for (const FreeBody& b : g_.bodies)
         energy += 0.5 * b.change.dot(b.A.cwiseProduct(b.change));
     g_.vibration = std::max({kRememberEnergy * g_.vibration, vibration(0), vibration(1)});
-    const double allowed = g_.joints.empty() ? settings_.freeError : std::min(settings_.freeError, kJoinedError);
+    const double allowed = !inexact_ ? settings_.freeError : std::min(settings_.freeError, kRigidError);
     const double byEnergy = energy / std::max(allowed * allowed * g_.vibration, 1e-300);
     return std::min(byEnergy, bySize * bySize);
 }
@@ -295,7 +316,7 @@ bool FreeMotion::tryStep(double start, double size) {
     g_.size = std::max(wanted, std::min(kLongestGrowth * size, dt_ / settings_.freeSteps));
     if (error > 1.0 && size > g_.size * (1.0 + 1e-6))
         return false;
-    if (!g_.joints.empty() && settings_.fixedDt <= 0.0 && gains(start, size, tau) && size > shortest_ * (1.0 + 1e-9)) {
+    if (guarded_ && settings_.fixedDt <= 0.0 && gains(start, size, tau) && size > least_ * (1.0 + 1e-9)) {
         g_.size = 0.5 * size;
         return false;
     }
@@ -303,7 +324,7 @@ bool FreeMotion::tryStep(double start, double size) {
         takeRod(i, start, size, tau);
     system_.take();
     g_.tau = tau;
-    energy_ = g_.joints.empty() ? 0.0 : energyAtEnd(start + size);
+    energy_ = guarded_ ? energyAtEnd(start + size) : 0.0;
     system_.evaluate();
     ++g_.steps;
     return true;
@@ -368,10 +389,10 @@ void FreeMotion::finish() {
 bool FreeMotion::run() {
     if (!begin())
         return false;
-    const double least = dt_ / settings_.freeSteps;
+    least_ = dt_ / settings_.freeSteps;
     double done = 0.0;
     // Joined rods have the ordinary step where a frame of a game would take too many of their own.
-    const double shortest = shortest_ = g_.joints.empty() ? least / kShorterToSolve : least;
+    const double shortest = inexact_ ? least_ : least_ / kShorterToSolve;
     const int most = static_cast<int>(2.0 * kShorterToSolve) * settings_.freeSteps;
     for (int tries = 0; done < dt_ * (1.0 - 1e-12); ++tries) {
         if (tries > most)

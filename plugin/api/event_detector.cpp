@@ -347,7 +347,7 @@ void EventDetector::end(const step::World& world, const HandleOf& handleOf) {
     updateOverlaps(world, handleOf);
     for (const step::Rod& r : world.rods)
         for (const step::Hold& h : r.holds)
-            if (h.stop.body != 0 && h.stop.since >= frameStart_ && h.stop.since < world.time) {
+            if ((h.stop.body != 0 || h.stop.byHold) && h.stop.since >= frameStart_ && h.stop.since < world.time) {
                 const ShellHandle shell = handleOf(r.key);
                 events.hold_blocked.push_back(
                     {h.stop.since, shell, {r.key, h.key, shell.world}, h.stop.body, h.stop.driven});

@@ -60,7 +60,7 @@ Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>
 
 namespace {
 
-constexpr archive::FileKind kStateKind{"SCSTATE ", 12};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 13};
 constexpr archive::FileKind kLogKind{"SCCALLS ", 3};
 
 /// Checks the consistency of a state whose fields could all be read.

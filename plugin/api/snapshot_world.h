@@ -48,11 +48,11 @@ void io(Ar& ar, Is<step::Target> auto& t) {
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
     auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop] = h;
-    auto& [time, body, since, driven] = stop;
+    auto& [time, body, since, driven, byHold, byHoldBefore] = stop;
     ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);
     ioUnless(ar, !(maxForce > 0), maxForce);
-    ar.unhashed(time, body, since, driven); // found anew in every frame, but for the events
+    ar.unhashed(time, body, since, driven, byHold, byHoldBefore); // found anew in every frame, but for the events
 }
 
 template <class Ar>

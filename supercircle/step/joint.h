@@ -30,12 +30,14 @@ struct Target {
     [[nodiscard]] bool moving() const { return path.active || pending || !velocity.isZero(0.0) || spin != 0.0; }
 };
 
-/// Where a held point meets a body that cannot yield either (stages/stop_holds.cpp).
+/// Where a held point meets a body that cannot yield either (stages/stop_holds.cpp), or another one of its shell
+/// (stages/hold_pairs.cpp).
 struct HoldStop {
     double time = std::numeric_limits<double>::infinity(); ///< World::time at which the target comes to rest
     BodyId body = 0;                                       ///< that the point touches, 0: none
     double since = 0.0;                                    ///< World::time of the first touch, while there is a body
     bool driven = false;                                   ///< the hold went there; false: the body came
+    bool byHold = false, byHoldBefore = false; ///< another hold of the shell stops it, in this frame and in the last
 };
 
 /// Holds one material point of a rod: position, and direction too when `clamped`.

@@ -7,6 +7,7 @@
 #include "supercircle/step/applied_forces.h"
 #include "supercircle/step/contacts/one_sided.h"
 #include "supercircle/step/contacts/pair_vetoes.h"
+#include "supercircle/step/stages/hold_pairs.h"
 #include "supercircle/support/invariants.h"
 #include "supercircle/support/trig.h"
 
@@ -193,10 +194,15 @@ void stopHold(const World& world, double frame, const Rod& rod, Hold& hold) {
 } // namespace
 
 void stopHolds(World& world, double frame) {
-    for (Rod& rod : world.rods)
+    for (Rod& rod : world.rods) {
+        if (rod.quarantined)
+            continue;
         for (Hold& hold : rod.holds)
-            if (!hold.onCrosshead && !rod.quarantined)
+            if (!hold.onCrosshead)
                 stopHold(world, frame, rod, hold);
+        if (rod.holds.size() > 1)
+            stopHeldPairs(world, frame, rod);
+    }
 }
 
 } // namespace supercircle::step

@@ -209,3 +209,82 @@ TEST_CASE("a held point of a shell half way through a one-sided edge goes either
     CHECK(level.crossings() == 0);
     CHECK(level.quarantined == 0);
 }
+
+namespace {
+
+/// An open ring of 1 kg on pins or clamps at its ends, under gravity, as it would be hung up.
+struct HungRing {
+    HungRing(Quality quality, HoldKind kind) : level(quality, 1.0) {
+        ShellDef d = scaled_shell(0.5, 1.0, 0.75);
+        d.position = {0.0, 5.0};
+        ring = level.shells.create(d).value();
+        first = level.shells.create_hold(ring, 0.0, kind).value();
+        last = level.shells.create_hold(ring, 1.0, kind).value();
+        arc = d.phi_bar * 2.0 * M_PI * d.radius;
+        stiffness = bending_modulus(d) / (arc * arc); // N
+    }
+    /// Moves both ends apart by `way` m (together if negative), as far as a frame allows.
+    void draw(double way) {
+        const Point a = level.shells.target(first).value().position, b = level.shells.target(last).value().position;
+        const double chord = std::hypot(b.x - a.x, b.y - a.y);
+        const Point along{(b.x - a.x) / chord, (b.y - a.y) / chord};
+        put(level, first, {-0.5 * way * along.x, -0.5 * way * along.y});
+        put(level, last, {0.5 * way * along.x, 0.5 * way * along.y});
+        frame();
+    }
+    void frame() {
+        level.frame();
+        largest = std::max(largest, std::hypot(level.shells.reaction(first).value().force.x,
+                                               level.shells.reaction(first).value().force.y));
+    }
+    [[nodiscard]] double chord() const {
+        const Point a = level.shells.target(first).value().position, b = level.shells.target(last).value().position;
+        return std::hypot(b.x - a.x, b.y - a.y);
+    }
+    Level level;
+    ShellHandle ring;
+    HoldHandle first, last;
+    double arc = 0.0, stiffness = 0.0, largest = 0.0;
+};
+
+} // namespace
+
+TEST_CASE("holds that draw a shell straight stop, and go on when they are led back", "[box2d][holds]") {
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    const HoldKind kind = GENERATE(HoldKind::Pin, HoldKind::Clamp);
+    CAPTURE(static_cast<int>(quality), static_cast<int>(kind));
+    HungRing hung(quality, kind);
+    for (int i = 0; i < 90; ++i)
+        hung.draw(0.03);
+    INFO("largest force " << hung.largest << " N, B / L^2 " << hung.stiffness << " N");
+    CHECK(hung.chord() < 0.996 * hung.arc);
+    CHECK(hung.chord() > (kind == HoldKind::Pin ? 0.99 : 0.85) * hung.arc); // elements of clamps stay turned
+    CHECK(hung.largest < 5e3 * hung.stiffness); // 2e3 where clamps stand across, (0.2 / 0.005)^2
+    REQUIRE(hung.level.blocked.size() == 2);    // one a hold
+    CHECK(hung.level.blocked[0].body == 0);
+    CHECK(hung.level.blocked[0].stopped);
+    CHECK(hung.level.quarantined == 0);
+    const double stopped = hung.chord();
+    for (int i = 0; i < 10; ++i) { // both aside
+        put(hung.level, hung.first, {0.0, 0.01});
+        put(hung.level, hung.last, {0.0, 0.01});
+        hung.frame();
+    }
+    CHECK(hung.level.shells.target(hung.first).value().position.y > 5.05);
+    for (int i = 0; i < 10; ++i)
+        hung.draw(-0.03);
+    CHECK(hung.chord() == Approx(stopped - 0.3).margin(1e-9));
+}
+
+TEST_CASE("holds that bring the ends of a shell together stop before they meet", "[box2d][holds]") {
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    CAPTURE(static_cast<int>(quality));
+    HungRing hung(quality, HoldKind::Pin);
+    const double h = hung.level.thickness(hung.ring);
+    for (int i = 0; i < 70; ++i)
+        hung.draw(-std::min(0.015, hung.chord()));
+    CHECK(hung.chord() >= 1.049 * h);
+    CHECK(hung.chord() < 2.0 * h);
+    CHECK(hung.level.quarantined == 0);
+    CHECK(hung.largest < 5e3 * hung.stiffness); // 2e3 where clamps stand across, (0.2 / 0.005)^2
+}

@@ -117,12 +117,13 @@ struct BrokeEvent {
 /// A held point meets a static or kinematic body. Neither can yield, so the hold stops there: its target stays where
 /// the shell's surface touches, at rest, until it is given another one that leads away or along. A body that comes to a
 /// held point is reported only: the hold stays where it is, and the body goes on. The event comes once, until the two
-/// are apart by 5 % of the thickness.
+/// are apart by 5 % of the thickness. Two holds of one shell stop each other, without a body: where the shell between
+/// them is drawn nearly straight, or where they would meet.
 struct HoldBlockedEvent {
     double time = 0.0; ///< of the first touch, s
     ShellHandle shell{};
     HoldHandle hold{};
-    BodyId body = 0;
+    BodyId body = 0;      ///< 0: another hold of the shell
     bool stopped = false; ///< the target came to rest; false: the body came
 };
 

@@ -70,7 +70,7 @@ TEST_CASE("a sensor effect on no channel is refused with the nearest name", "[re
     CHECK_THAT(why("aceleration"), Contains("did you mean \"acceleration\"?"));
     CHECK_THAT(why("position"), Contains("first channel, position, without \"channel\""));
     std::vector<effects::Setting> both;
-    for (const char* name : {"all", "acceleration"}) {
+    for (const char* name : {"", "acceleration"}) {
         both.push_back(effects::off(*effects::find("sensor_gain")));
         both.back().channel = name;
         both.back().values.front() = 0.1;

@@ -55,7 +55,7 @@ bool knownEffects(const std::vector<std::string>& labels) {
 }
 
 void print(const diagnosis::Diagnosis& d, const std::string& folder) {
-    std::printf("%s. %s\n", diagnosis::verdictTitle(d.verdict).c_str(), d.statement.c_str());
+    std::printf("%s. %s\n", diagnosis::titleOf(d).c_str(), d.statement.c_str());
     for (std::size_t i = 0; i < d.effects.size() && i < 5; ++i) {
         const diagnosis::FittedEffect& e = d.effects[i];
         std::printf("  %-38s probability %.3f, held-out gain %.1f +- %.1f, held-out error %.3g %s\n",

@@ -19,6 +19,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -148,6 +149,8 @@ private:
     [[nodiscard]] ParameterIntervals intervalsOf(const Entry& entry);
     void conclude();
     void computeWeights(ModelWeights& w);
+    [[nodiscard]] bool isOfNumbers(const FittedHypothesis& t) const;
+    void weighNumbers(Evidence& evidence) const;
     /// The residual of a hypothesis, localised as the baseline residual is.
     const Localisation& residualOf(std::size_t model);
     [[nodiscard]] std::vector<RunForecast> forecastsOfRuns(const PredictiveScore& score) const;
@@ -252,7 +255,7 @@ void Procedure::locate() {
     grouping_ = groupingOf(*likelihood_);
     std::vector<const Eigen::VectorXd*> simulated;
     for (const ScreenedProbe& s : screened_)
-        if (s.simulated && s.norm > 1e-6)
+        if (s.simulated && s.norm > 1e-6 && !candidates()[s.candidate].isNumber())
             simulated.push_back(&s.signature);
     Eigen::MatrixXd signatures(likelihood_->rows(), static_cast<Index>(simulated.size()));
     for (std::size_t i = 0; i < simulated.size(); ++i)
@@ -309,8 +312,12 @@ void Procedure::computeWeights(ModelWeights& w) {
     WeightingInput given;
     given.catalogue = out_.screening.size();
     const double share = kPriorCatalogue / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
+    const auto numbers = static_cast<double>(std::max<std::ptrdiff_t>(
+        1, std::count_if(candidates().begin(), candidates().end(), std::mem_fn(&CandidateEffect::isNumber))));
     for (const FittedHypothesis& t : hypotheses_) {
         held.push_back(t.held);
+        const bool ofNumber = isOfNumbers(t);
+        given.beside.push_back(ofNumber ? 1 : 0);
         given.mustBeat.push_back(t.mustBeat);
         given.outside.push_back(t.learned ? 1 : 0);
         given.atBound.push_back(
@@ -319,8 +326,11 @@ void Procedure::computeWeights(ModelWeights& w) {
                  .empty());
         given.forecastFails.push_back(!forecastHolds(t.held));
         // Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
-        // catalogue".
-        given.prior.push_back(t.learned ? 0.5 * kPriorOutsideCatalogue : t.candidates.size() > 1 ? 0.1 * share : share);
+        // catalogue". All stated numbers together have the prior of one effect.
+        given.prior.push_back((t.learned                 ? 0.5 * kPriorOutsideCatalogue
+                               : t.candidates.size() > 1 ? 0.1 * share
+                                                         : share) /
+                              (ofNumber ? numbers : 1.0));
     }
     given.p = out_.misfit.extendedP;
     given.excessKurtosis = out_.noise.excessKurtosis;
@@ -405,8 +415,10 @@ void Procedure::conclude() {
         out_.effects[a].confoundedWith = ranking.groupOf(entries_, a, out_.effects[a].jointWith);
     if (e.any)
         e.groupProbability = ranking.probabilityOf(out_.effects.front().confoundedWith);
+    weighNumbers(e);
     summariseEvidence(w, e);
     out_.verdict = verdictOf(e);
+    out_.wrongNumber = isWrongNumber(e);
     out_.improved = out_.improved && out_.verdict != "adequate"; // the nearest effect would mislead
     if (!out_.improved) {                                        // errors and intervals are those of the baseline
         out_.improvedTraining = out_.baselineTraining;
@@ -418,6 +430,25 @@ void Procedure::conclude() {
     if (!evaluator_.stop().attempt([&] { proposeNextExperiment(); }))
         out_.notTried.push_back("the choice of a next experiment");
     out_.statement = statementOf(out_, e);
+}
+
+bool Procedure::isOfNumbers(const FittedHypothesis& t) const {
+    return !t.learned && std::all_of(t.candidates.begin(), t.candidates.end(),
+                                     [&](std::size_t c) { return candidates()[c].isNumber(); });
+}
+
+/// Whether the first hypothesis and all that cannot be told from it correct the description, or some of them.
+void Procedure::weighNumbers(Evidence& e) const {
+    if (!e.any)
+        return;
+    std::vector<std::string> labels = out_.effects.front().confoundedWith;
+    labels.insert(labels.end(), out_.effects.front().jointWith.begin(), out_.effects.front().jointWith.end());
+    const auto isNumber = [&](const std::string& label) {
+        return std::any_of(candidates().begin(), candidates().end(),
+                           [&](const CandidateEffect& c) { return c.corrects && c.label == label; });
+    };
+    e.numbersOnly = std::all_of(labels.begin(), labels.end(), isNumber);
+    e.numbers = std::any_of(labels.begin(), labels.end(), isNumber);
 }
 
 void Procedure::summariseEvidence(const ModelWeights& w, Evidence& e) {
@@ -448,7 +479,7 @@ void Procedure::proposeNextExperiment() {
     const bool open = out_.verdict == "ambiguous" || out_.verdict == "inconclusive" ||
                       (out_.verdict == "identified" && (out_.effects.front().confoundedWith.size() > 1 ||
                                                         hypotheses_[entries_.front().model].mirrorImage.has_value()));
-    if (!open || !settings_.nextExperiment || evaluator_.model().candidateRuns().empty())
+    if (!open || out_.wrongNumber || !settings_.nextExperiment || evaluator_.model().candidateRuns().empty())
         return;
     stage(0.96, "next experiment");
     std::vector<ReportedEffect> named;

@@ -178,6 +178,7 @@ struct Diagnosis {
     std::vector<LearnedLaw> learned;        ///< best first
     double adequate = 0.0, outsideCatalogue = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
+    bool wrongNumber = false; ///< a stated number is wrong, and nothing else is shown to be missing
     bool improved = false; ///< whether the last two belong to an effect; otherwise to the baseline
     Forecast forecast;     ///< of the same hypothesis
     double improvement = 0.0;
@@ -201,11 +202,16 @@ struct Diagnosis {
     std::size_t forwardRuns = 0;
 };
 
+/// Slot of a stated number among the effects (CandidateEffect::number).
+inline constexpr const char* kDescription = "description";
+
 /// A label as words: "planar drag".
 std::string plainWords(std::string label);
 
 /// A verdict as a sentence: "The simulation is adequate".
 std::string verdictTitle(const std::string& verdict);
+/// That of a diagnosis, which may also be "A stated number is wrong".
+std::string titleOf(const Diagnosis& diagnosis);
 
 /// p-value of a screening gain: chi-squared with one degree of freedom, of one probe, not corrected for the search.
 double screeningP(const ScreenedEffect& effect);

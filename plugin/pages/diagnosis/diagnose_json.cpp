@@ -71,6 +71,8 @@ Json effectsOf(const Diagnosis& d) {
     const std::string unit = "_" + d.unit;
     Json all = Json::array();
     for (const FittedEffect& e : d.effects) {
+        if (e.slot == diagnosis::kDescription)
+            continue;
         all.push_back({{"label", e.label},
                        {"probability", e.probability},
                        {"confounded_with", e.confoundedWith},
@@ -90,6 +92,26 @@ Json effectsOf(const Diagnosis& d) {
             all.back()["starts"] = e.starts;
             all.back()["starts_agreed"] = e.startsAgreed;
         }
+    }
+    return all;
+}
+
+/// Stated numbers as hypotheses beside the effects.
+Json numbersOf(const Diagnosis& d) {
+    Json all = Json::array();
+    for (const FittedEffect& e : d.effects) {
+        if (e.slot != diagnosis::kDescription || e.parameters.empty())
+            continue;
+        const diagnosis::FittedParameter& p = e.parameters.front();
+        all.push_back({{"name", p.name},
+                       {"unit", p.unit},
+                       {"value", p.value},
+                       {"ci90", {finite(p.ci90.low), finite(p.ci90.high)}},
+                       {"probability", e.probability},
+                       {"joint_with", e.jointWith},
+                       {"confounded_with", e.confoundedWith},
+                       {"heldout_gain", e.gain},
+                       {"heldout_rmse_" + d.unit, e.heldOutRmse}});
     }
     return all;
 }
@@ -252,6 +274,7 @@ std::string diagnosisJson(const Diagnosis& d, const diagnosis::StoredFits& fits)
                  {"noise", noiseOf(d)},
                  {"misfit_intervals", windowsOf(d.misfit)},
                  {"effects", effectsOf(d)},
+                 {"wrong_numbers", numbersOf(d)},
                  {"screening", screeningOf(d)},
                  {"residual_after_best", windowsOf(d.residualAfterBest)},
                  {"learned_laws", learnedOf(d)},

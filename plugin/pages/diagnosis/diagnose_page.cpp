@@ -229,7 +229,7 @@ std::string nextText(const Diagnosis& d) {
 } // namespace
 
 std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
-    graphics::PageBuilder page(diagnosis::verdictTitle(d.verdict));
+    graphics::PageBuilder page(diagnosis::titleOf(d));
     page.title("Diagnosis").plainTables();
     std::string notes;
     for (const std::string& note : d.notes)

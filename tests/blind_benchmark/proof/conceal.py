@@ -80,13 +80,21 @@ class Specimen:
 
 
 def another_specimen(draw, specimen):
-    """Moves one or two stated numbers of the specimen three to six half-widths away from what is stated."""
+    """Moves one or two stated numbers of the specimen three to six half-widths away from what is stated.
+
+    Their names, or None where what lies outside the intervals is not as strong as a strong effect: all other numbers
+    may absorb it."""
     free = [key for key, s in specimen.description.numbers() if s.half > 0.0 and key[0] is None]
     stated = dict(specimen.description.numbers())
     moved = draw.sample(free, min(len(free), draw.choice((1, 2))))
+    edge = dict(specimen.numbers)
     for key in moved:
-        specimen.numbers[key] = stated[key].value + draw.choice((-1, 1)) * draw.uniform(3.0, 6.0) * stated[key].half
-    return [name for _, name in moved]
+        sign = draw.choice((-1, 1))
+        edge[key] = stated[key].value + sign * stated[key].half
+        specimen.numbers[key] = stated[key].value + sign * draw.uniform(3.0, 6.0) * stated[key].half
+    at_edge = Baseline(specimen.scaled, edge, specimen.description.numbers(), specimen.zeros())
+    seen = at_edge.sigma_of(specimen.scaled(specimen.numbers, []) - at_edge.readings, moved)
+    return [name for _, name in moved] if seen >= STRENGTHS["strong"][0] else None
 
 
 def hidden_effects(draw, plan, specimen):
@@ -155,6 +163,8 @@ def make_case(plan, seed, distance=False):
                 continue
             effects, sigma = drawn
             moved = another_specimen(draw, specimen) if plan["kind"] == "swap" else []
+            if moved is None:
+                continue
             clean = specimen.readings(specimen.numbers, effects)
         except RuntimeError:
             continue

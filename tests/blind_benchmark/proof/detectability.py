@@ -20,22 +20,27 @@ class Baseline:
     def __init__(self, simulate, numbers, stated, zeros):
         self.simulate, self.numbers = simulate, numbers
         self.readings = simulate(numbers, [])
-        columns = list(zeros)
+        columns, self.keys = list(zeros), [None] * len(zeros)
         for key, number in stated:
             if number.half == 0.0:
                 continue
             step = -STEP if numbers[key] > number.value else STEP
             moved = simulate({**numbers, key: numbers[key] + step * number.half}, [])
             columns.append((moved - self.readings) / step / math.sqrt(3.0))
+            self.keys.append(key)
         self.columns = np.array(columns).T
-        self.normal = self.columns.T @ self.columns + np.eye(self.columns.shape[1])
 
     def sigma(self, effects):
         """Detectability of these effects, in standard deviations of the test's statistic."""
-        signature = np.clip(self.simulate(self.numbers, effects) - self.readings, -LARGEST_DEVIATION,
-                            LARGEST_DEVIATION)
-        along = self.columns.T @ signature
-        return math.sqrt(max(0.0, signature @ signature - along @ np.linalg.solve(self.normal, along)))
+        return self.sigma_of(self.simulate(self.numbers, effects) - self.readings)
+
+    def sigma_of(self, change, without=()):
+        """The same of any change of the readings, which these numbers do not absorb."""
+        signature = np.clip(change, -LARGEST_DEVIATION, LARGEST_DEVIATION)
+        columns = self.columns[:, [key is None or key not in without for key in self.keys]]
+        along = columns.T @ signature
+        normal = columns.T @ columns + np.eye(columns.shape[1])
+        return math.sqrt(max(0.0, signature @ signature - along @ np.linalg.solve(normal, along)))
 
 
 def amplitude_for(baseline, effect, wanted, largest, tolerance=0.1):

@@ -12,7 +12,7 @@ CLAIMING = ("identified", "ambiguous", "outside_catalogue")
 COLUMNS = ("case", "set_up", "simulator", "kind", "hidden", "sigma", "verdict", "first", "group", "joint", "p_first",
            "p_value", "right", "apart", "alarm", "false_certain", "heldout", "baseline", "process", "intervals", "held",
            "cpu_s", "training_rule", "bic_rule", "heldout_rule", "statement")
-WRONG_NUMBER = "stated number"  # of the statement: "a stated number is wrong: ..."
+WRONG_NUMBER = "A stated number is wrong"  # begins the statement
 
 
 def labels_of(answer):
@@ -47,7 +47,7 @@ def right_and_apart(kind, truth, row, statement):
         return not row["alarm"], False
     if kind == "swap":
         quiet = verdict != "identified"
-        return quiet and WRONG_NUMBER in statement, quiet
+        return quiet and statement.startswith(WRONG_NUMBER), quiet
     if kind == "outside":
         return verdict == "outside_catalogue", verdict == "ambiguous"
     if kind == "pair":

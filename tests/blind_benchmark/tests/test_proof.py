@@ -231,7 +231,7 @@ def whole_set(right=44, alarms=2, outside=13, cpu=60.0):
             for i in range(48)]
     rows += [scored("control", [], diagnosis("adequate", p_value=0.01 if i < alarms else 0.5), cpu) for i in range(24)]
     rows += [scored("below", ["a"], diagnosis("adequate", p_value=0.5), cpu) for _ in range(8)]
-    rows += [scored("swap", [], diagnosis("inconclusive", statement="a stated number is wrong"), cpu) for _ in range(8)]
+    rows += [scored("swap", [], diagnosis("inconclusive", statement="A stated number is wrong"), cpu) for _ in range(8)]
     rows += [scored("outside", ["outside:x"], diagnosis("outside_catalogue" if i < outside else "ambiguous", "a", 0.1),
                     cpu) for i in range(16)]
     return rows

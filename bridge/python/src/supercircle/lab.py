@@ -447,6 +447,21 @@ class Nominal:
 
 
 @dataclass(frozen=True)
+class WrongNumber:
+    """A number that the runs want outside its stated interval.
+
+    name, unit: of the description; value: fitted, without regard to what is stated
+    ci90: its 90 % interval; probability: that it is wrong, of all hypotheses that contain it
+    """
+
+    name: str
+    unit: str
+    value: float
+    ci90: tuple[float, float]
+    probability: float
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """What physics a simulation of a recorded experiment leaves out.
 
@@ -456,6 +471,7 @@ class Diagnosis:
     probability_adequate, misfit_p_value: nan if not computed
     effects: fitted effects, most probable first
     nominal: values of the description by name, stated and fitted
+    wrong_numbers: stated numbers that may be wrong, most probable first; the statement says whether one is
     misfit_intervals: where the runs differ from the simulation, largest first
     next_experiment: what to record next; None: not open, not looked for, or nothing tells enough
     notes: what limits the result
@@ -469,6 +485,7 @@ class Diagnosis:
     misfit_p_value: float
     effects: list[Effect]
     nominal: dict[str, Nominal]
+    wrong_numbers: list[WrongNumber]
     misfit_intervals: list[dict[str, Any]]
     next_experiment: dict[str, Any] | None
     notes: list[str]
@@ -482,12 +499,13 @@ def _number(value: float | None) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _estimates(parameters: Mapping[str, Any] | None) -> dict[str, Estimate]:
-    def interval(p: Mapping[str, Any]) -> tuple[float, float]:
-        low, high = p.get("ci90") or (None, None)
-        return _number(low), _number(high)
+def _interval(p: Mapping[str, Any]) -> tuple[float, float]:
+    low, high = p.get("ci90") or (None, None)
+    return _number(low), _number(high)
 
-    return {name: Estimate(_number(p.get("value")), p.get("unit", ""), interval(p), bool(p.get("resolves_sign", True)))
+
+def _estimates(parameters: Mapping[str, Any] | None) -> dict[str, Estimate]:
+    return {name: Estimate(_number(p.get("value")), p.get("unit", ""), _interval(p), bool(p.get("resolves_sign", True)))
             for name, p in (parameters or {}).items()}
 
 
@@ -513,6 +531,8 @@ def diagnose(experiment: Path, *, jobs: int | None = None, seed: int = 1, withou
                for e in found.get("effects", [])]
     nominal = Named({name: Nominal(*(_number(v.get(key)) for key in ("stated", "uncertainty", "fitted", "standardised_shift")))
                      for name, v in found.get("nominal", {}).items()})
+    numbers = [WrongNumber(n["name"], n["unit"], _number(n.get("value")), _interval(n), _number(n.get("probability")))
+               for n in found.get("wrong_numbers", [])]
     return Diagnosis(answer["status"], found.get("verdict", ""), found.get("statement", ""), _number(found.get("probability_adequate")),
-                     _number(found.get("misfit_p_value")), effects, nominal, found.get("misfit_intervals", []), found.get("next_experiment"),
-                     [*answer["notes"], *found.get("notes", [])], found)
+                     _number(found.get("misfit_p_value")), effects, nominal, numbers, found.get("misfit_intervals", []),
+                     found.get("next_experiment"), [*answer["notes"], *found.get("notes", [])], found)

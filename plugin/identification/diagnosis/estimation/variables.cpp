@@ -17,6 +17,13 @@ Variables::Variables(const Model& model, const ParameterPoint& like) : scalars_(
         lower[i] = (scalar(i).lower - scalar(i).value) / scalar(i).step;
         upper[i] = (scalar(i).upper - scalar(i).value) / scalar(i).step;
     }
+    // A number that may be wrong is fitted as such, and no second time inside its interval.
+    constexpr double kHeld = 1e-3; // half-widths, as its variance has to be positive
+    for (const Term& t : like.terms)
+        if (const CandidateEffect& c = model.candidates()[t.candidate]; c.isNumber()) {
+            lower[c.number] = std::max(lower[c.number], -kHeld);
+            upper[c.number] = std::min(upper[c.number], kHeld);
+        }
     penalty = Eigen::MatrixXd::Zero(size(), size());
     for (Eigen::Index i = 0; i < nominal; ++i)
         if (scalar(i).batch >= 0) {

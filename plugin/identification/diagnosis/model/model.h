@@ -85,6 +85,11 @@ struct CandidateEffect {
     /// A learned law: its values are spline coefficients. It is not part of the catalogue.
     bool learned = false;
     LearnedCurve curve{}; ///< of a learned law
+    /// Of a stated number that may be wrong: its index in Model::nominal(), which then keeps the stated value while the
+    /// candidate's only parameter is the number itself. -1: an effect.
+    std::ptrdiff_t number = -1;
+    [[nodiscard]] bool isNumber() const { return number >= 0; }
+    bool corrects = false; ///< it, too, corrects what the description states, and adds no physics
 };
 
 /// An effect with values.

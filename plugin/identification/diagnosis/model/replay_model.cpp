@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/replay_model.h"
 
 #include "plugin/identification/diagnosis/model/batch_factors.h"
+#include "plugin/identification/diagnosis/model/stated_numbers.h"
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/simulation_cache.h"
 #include "plugin/identification/replay/compare.h"
@@ -195,6 +196,7 @@ ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std:
     for (std::size_t k = 0; k < batch_.size(); ++k)
         for (const Scalar& deviation : deviationsOf(e, batch_[k], static_cast<int>(k)))
             nominal_.push_back(deviation);
+    addStatedNumbers(nominal_, candidateEffects_);
 }
 
 ParameterPoint ReplayModel::simulated(std::size_t run, const ParameterPoint& point) const {
@@ -226,7 +228,7 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
     const experiment::Run& recorded = experiment_.runs[run];
     const auto& further = experiment::furtherChannels(experiment_);
     std::size_t channel = 0; // beside the first one, which is their number
-    while (channel < further.size() && further[channel].observe != mapping.base.shell)
+    while (channel < further.size() && further[channel].observe != mapping.base.channel)
         ++channel;
     const bool first = channel == further.size();
     const auto rows = static_cast<Eigen::Index>(time.size());
@@ -292,6 +294,13 @@ std::string ReplayModel::setNominal(replay::Parameters& p, std::size_t index, do
     return replay::set(p, experiment_, s.name, replay::get(p, experiment_, common).value_or(0.0) + value);
 }
 
+/// Moves a number by the distance of `value` from what is stated.
+std::string ReplayModel::shiftNumber(replay::Parameters& p, std::size_t index, double value) const {
+    const Scalar& s = nominal_[index];
+    const double present = replay::get(p, experiment_, s.name).value_or(s.value);
+    return replay::set(p, experiment_, s.name, present + (value - s.value));
+}
+
 std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Parameters& p) const {
     p = replay::nominal(experiment_);
     for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
@@ -299,6 +308,11 @@ std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Param
             return why;
     p.effects = fixed_;
     for (const Term& t : point.terms) {
+        if (const CandidateEffect& c = candidateEffects_.candidates[t.candidate]; c.isNumber()) {
+            if (std::string why = shiftNumber(p, static_cast<std::size_t>(c.number), t.values.front()); !why.empty())
+                return why;
+            continue;
+        }
         const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];
         if (mapping.readingEffect != ReadingEffect::None && mapping.parameterAt.empty())
             continue; // a learned one has no setting

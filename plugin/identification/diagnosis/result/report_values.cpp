@@ -72,6 +72,8 @@ std::vector<ScreenedEffect> presentScreening(const std::vector<CandidateEffect>&
                                              const std::vector<ScreenedProbe>& screened, double critical) {
     std::vector<ScreenedEffect> all;
     for (const ScreenedProbe& s : screened) {
+        if (candidates[s.candidate].isNumber()) // no effect of the catalogue
+            continue;
         const std::string& label = candidates[s.candidate].label;
         auto at = std::find_if(all.begin(), all.end(), [&](const ScreenedEffect& e) { return e.label == label; });
         if (at == all.end()) {

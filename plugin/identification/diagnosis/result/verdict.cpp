@@ -147,7 +147,9 @@ std::string ambiguousSentence(const Diagnosis& d, const Evidence& e) {
         add("another effect too small to be detected", d.undetectable());
     if (d.outsideCatalogue > kMentioned)
         add("an effect outside the catalogue", d.outsideCatalogue);
-    std::string text = "An effect is missing (p = " + rounded(e.p, 3) + "), but " +
+    std::string text = std::string(e.numbers ? "An effect is missing or a stated number is wrong (p = "
+                                             : "An effect is missing (p = ") +
+                       rounded(e.p, 3) + "), but " +
                        (e.searched ? "these runs do not decide which: "
                                    : "the time limit ended the search before all effects were tried; so far: ") +
                        hypotheses + ".";
@@ -162,6 +164,10 @@ std::string ambiguousSentence(const Diagnosis& d, const Evidence& e) {
 std::string plainWords(std::string label) {
     std::replace(label.begin(), label.end(), '_', ' ');
     return label;
+}
+
+std::string titleOf(const Diagnosis& d) {
+    return d.wrongNumber ? "A stated number is wrong" : verdictTitle(d.verdict);
 }
 
 std::string verdictTitle(const std::string& verdict) {
@@ -190,6 +196,15 @@ double undetectableShare(const std::vector<ScreenedEffect>& screening) {
     return relevant > 0.0 ? undetectable / relevant : 1.0;
 }
 
+namespace {
+
+bool isExplained(const Evidence& e) {
+    const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
+    return e.groupProbability >= 0.9 && gains && e.forecastHolds;
+}
+
+} // namespace
+
 std::string verdictOf(const Evidence& e) {
     // The model weights contain the family-wise p-value, held-out gains and the residual of the best hypothesis.
     if (!(e.adequate >= 0.0 && e.outsideCatalogue >= 0.0)) // numerical failure
@@ -202,8 +217,14 @@ std::string verdictOf(const Evidence& e) {
         return "inconclusive";
     if (e.outsideCatalogue >= 0.5 || !e.any)
         return e.searched ? "outside_catalogue" : "ambiguous"; // an effect that was not tried may explain it
-    const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
-    return e.groupProbability >= 0.9 && gains && e.forecastHolds ? "identified" : "ambiguous";
+    if (!isExplained(e))
+        return "ambiguous";
+    return e.numbersOnly ? "inconclusive" : e.numbers ? "ambiguous" : "identified";
+}
+
+bool isWrongNumber(const Evidence& e) {
+    return e.any && e.numbersOnly && e.adequate < 0.5 && e.p <= kFamilyWise && e.outsideCatalogue < 0.5 &&
+           isExplained(e);
 }
 
 namespace {
@@ -234,7 +255,38 @@ std::string forecastSentence(const Diagnosis& d) {
     return text.empty() ? text : text + ".";
 }
 
+/// The numbers that are wrong, and what they should be.
+std::string wrongNumberSentence(const Diagnosis& d) {
+    const FittedEffect& first = d.effects.front();
+    const auto write = [&](const FittedEffect& e) {
+        if (e.slot != kDescription)
+            return withValues(e);
+        const FittedParameter& p = e.parameters.front();
+        const std::string unit = p.unit == "1" ? "" : " " + p.unit;
+        const auto stated =
+            std::find_if(d.nominal.begin(), d.nominal.end(), [&](const NominalResult& n) { return n.name == p.name; });
+        return p.name + " is " + rounded(p.value, 3) + unit +
+               (stated == d.nominal.end()
+                    ? std::string()
+                    : ", stated as " + rounded(stated->stated, 4) + " +- " + rounded(stated->uncertainty, 2) + unit);
+    };
+    const auto find = [&](const std::string& label) {
+        return std::find_if(d.effects.begin(), d.effects.end(),
+                            [&](const FittedEffect& e) { return e.label == label; });
+    };
+    std::string text = "A stated number is wrong: " + write(first);
+    for (const std::string& label : first.jointWith)
+        if (const auto other = find(label); other != d.effects.end())
+            text += "; and " + write(*other);
+    for (std::size_t i = 1; i < first.confoundedWith.size(); ++i)
+        if (const auto other = find(first.confoundedWith[i]); other != d.effects.end())
+            text += "; or else " + write(*other);
+    return text + "; " + heldOutSentence(d, first) + " Correct the description and diagnose again.";
+}
+
 std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
+    if (d.wrongNumber)
+        return wrongNumberSentence(d);
     if (d.verdict == "adequate")
         return "Inside the stated uncertainties the simulation agrees with all runs to within noise (p = " +
                rounded(e.p, 3) + " for the largest of " + std::to_string(d.misfit.familySize) +

@@ -16,14 +16,18 @@ struct Evidence {
     bool any = false;          ///< whether an effect was fitted
     bool searched = true;      ///< all effects were tried; false: the time limit ended the search
     bool forecastHolds = true; ///< of the shown hypothesis, in all free runs
+    bool numbersOnly = false;  ///< the first hypothesis and all that cannot be told from it are stated numbers
+    bool numbers = false;      ///< one of them is
 };
 
 /// Fraction of the effects with a noticeable signature at a relevant amplitude that these runs would not detect there;
 /// 1 if there is none.
 double undetectableShare(const std::vector<ScreenedEffect>& screening);
 
-/// One of the five verdicts of diagnosis.json.
+/// One of the five verdicts of diagnosis.json. No effect is identified where a stated number may be wrong instead.
 std::string verdictOf(const Evidence& evidence);
+/// Whether a wrong stated number explains the runs; the verdict on missing effects is "inconclusive" then.
+bool isWrongNumber(const Evidence& evidence);
 
 /// One or two plain sentences.
 std::string statementOf(const Diagnosis& diagnosis, const Evidence& evidence);

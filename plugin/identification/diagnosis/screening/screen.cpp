@@ -155,8 +155,12 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
     const std::vector<CandidateEffect>& candidates = evaluator.model().candidates();
     std::vector<ParameterPoint> points = {nominal.point};
     std::vector<ScreenedProbe> all;
+    // A number inside its interval explains nothing more outside. A fit to free runs may be out of phase.
+    const auto tried = [&](const CandidateEffect& c) {
+        return !c.isNumber() || likelihood.data().free || std::abs(nominal.x[c.number]) > kEndOfInterval;
+    };
     for (std::size_t c = 0; c < candidates.size(); ++c)
-        for (std::size_t p = 0; p < candidates[c].probes.size(); ++p) {
+        for (std::size_t p = 0; p < candidates[c].probes.size() && tried(candidates[c]); ++p) {
             ScreenedProbe s;
             s.candidate = c;
             s.probe = p;

@@ -14,6 +14,9 @@
 
 namespace supercircle::diagnosis {
 
+/// Half-widths from which on a nominal parameter stands at the end of its interval.
+constexpr double kEndOfInterval = 0.98;
+
 struct ScreenedProbe {
     std::size_t candidate = 0;
     std::size_t probe = 0;

@@ -15,6 +15,10 @@ namespace {
 /// Share of the held-out misfit that an effect may leave before laws are learned.
 constexpr double kResidualShare = 0.05;
 
+/// Stated numbers that are fitted as wrong ones. One more costs a fit where that many stand at the ends of their
+/// intervals; one less misses the wrong one where three change the readings alike.
+constexpr std::size_t kNumbers = 3;
+
 class HypothesisSearch {
 public:
     HypothesisSearch(const SearchInput& input, const std::function<void(double, const std::string&)>& stage)
@@ -25,6 +29,8 @@ public:
         for (std::size_t i = 0; i < ranked.size(); ++i) {
             stage_(0.35 + 0.55 * static_cast<double>(i) / static_cast<double>(ranked.size()),
                    "fitting " + labelOf(*ranked[i].front()));
+            if (isAside(ranked[i]) && explained())
+                break;
             if (!stop().attempt([&] { tryLabel(ranked[i]); }))
                 out_.notTried.push_back("the effect " + plainWords(labelOf(*ranked[i].front())));
         }
@@ -54,6 +60,9 @@ private:
                       input_.baselineScore);
     }
     [[nodiscard]] std::vector<RankedProbes> promising() const;
+    [[nodiscard]] bool ofNumber(const RankedProbes& probes) const;
+    [[nodiscard]] bool isAside(const RankedProbes& probes) const;
+    [[nodiscard]] bool explained() const;
     void tryLabel(const RankedProbes& probes);
     void dropInactive();
     void extendSearch();
@@ -82,11 +91,38 @@ private:
 std::vector<RankedProbes> HypothesisSearch::promising() const {
     // 8 is a p-value of half a per cent for one parameter.
     std::vector<RankedProbes> ranked = byLabel(input_.evaluator.model(), input_.screened, 8.0);
+    const double largest = ranked.empty() ? 0.0 : ranked.front().front()->gain;
+    // Stated numbers take no place of an effect.
+    const auto numbersBegin =
+        std::stable_partition(ranked.begin(), ranked.end(), [&](const RankedProbes& r) { return !ofNumber(r); });
+    std::vector<RankedProbes> numbers(numbersBegin, ranked.end());
+    ranked.erase(numbersBegin, ranked.end());
+    numbers.resize(std::min(numbers.size(), kNumbers));
     // The linear screening may be wrong, but not by a factor of thirty.
-    while (ranked.size() > 3 &&
-           (ranked.size() > input_.settings.fits || ranked.back().front()->gain < ranked.front().front()->gain / 30.0))
+    while (ranked.size() > 3 && (ranked.size() > input_.settings.fits || ranked.back().front()->gain < largest / 30.0))
         ranked.pop_back();
+    // What promises most comes first: the fits after a good one end early.
+    ranked.insert(ranked.end(), numbers.begin(), numbers.end());
+    std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedProbes& a, const RankedProbes& b) {
+        return isAside(a) != isAside(b) ? isAside(b) : a.front()->gain > b.front()->gain;
+    });
     return ranked;
+}
+
+bool HypothesisSearch::ofNumber(const RankedProbes& probes) const {
+    return input_.evaluator.model().candidates()[probes.front()->candidate].isNumber();
+}
+
+/// A number that the fit of free runs has left inside its interval, perhaps because it is out of phase.
+bool HypothesisSearch::isAside(const RankedProbes& probes) const {
+    const std::ptrdiff_t at = input_.evaluator.model().candidates()[probes.front()->candidate].number;
+    return at >= 0 && std::abs(input_.base.x[at]) < kEndOfInterval;
+}
+
+/// Whether a fit leaves noise alone.
+bool HypothesisSearch::explained() const {
+    constexpr double kNoise = 1.2; // chi-squared per reading, as for pairs
+    return least_ > 0.0 && least_ < kNoise * static_cast<double>(input_.likelihood.countedRows());
 }
 
 void HypothesisSearch::tryLabel(const RankedProbes& probes) {

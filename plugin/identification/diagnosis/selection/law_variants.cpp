@@ -82,9 +82,8 @@ void fitFromStatedToo(Evaluator& evaluator, const Likelihood& likelihood, const 
 
 /// Whether a nominal parameter of a fit stands at an end of its interval.
 bool inCorner(const Model& model, const FitResult& f) {
-    constexpr double kEnd = 0.98; // of the half-width
     return std::any_of(f.x.begin(), f.x.begin() + Variables(model, f.point).nominal,
-                       [](double x) { return std::abs(x) > kEnd; });
+                       [](double x) { return std::abs(x) > kEndOfInterval; });
 }
 
 /// Whether a law with the stated parameters is better than its fit.

@@ -192,7 +192,7 @@ Hypotheses hypothesesOf(const PredictiveScore& baseline, const std::vector<Predi
         all.prior.push_back((i < given.prior.size() ? given.prior[i] : kPriorCatalogue / catalogue) *
                             (given.isAtBound(i) ? kAtBoundPrior : 1.0));
         const bool combined = i < given.mustBeat.size() && !given.mustBeat[i].empty();
-        named += combined || given.isOutside(i) ? 0 : 1;
+        named += combined || given.isOutside(i) || given.isBeside(i) ? 0 : 1;
         const Paired p = paired(all.scores.back(), all.scores.front());
         out.gain.push_back(p.difference);
         out.gainError.push_back(p.error);

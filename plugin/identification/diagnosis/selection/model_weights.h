@@ -60,6 +60,9 @@ struct WeightingInput {
     std::vector<std::vector<std::size_t>> mustBeat;
     std::vector<char> outside; ///< for each effect, whether it is outside the catalogue (a learned law); empty: none
     [[nodiscard]] bool isOutside(std::size_t effect) const { return effect < outside.size() && outside[effect] != 0; }
+    /// For each effect, whether it is beside the catalogue (a stated number that is wrong); empty: none.
+    std::vector<char> beside;
+    [[nodiscard]] bool isBeside(std::size_t effect) const { return effect < beside.size() && beside[effect] != 0; }
     /// For each effect, whether an amplitude is at the end of its plausible range; empty: none.
     std::vector<char> atBound;
     [[nodiscard]] bool isAtBound(std::size_t effect) const { return effect < atBound.size() && atBound[effect] != 0; }

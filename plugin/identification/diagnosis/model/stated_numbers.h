@@ -1,0 +1,17 @@
+#pragma once
+// Stated numbers that may be wrong, as hypotheses beside the effects of the catalogue.
+//
+// A fit keeps every stated number inside its interval. What a number outside would explain is else called physics: a
+// spring that is 10 % stiffer than stated becomes a hardening one. Each such number is a hypothesis of its own, with
+// the fit of all others (decision 0231).
+
+#include "plugin/identification/diagnosis/model/candidate_effects.h"
+
+namespace supercircle::diagnosis {
+
+/// Adds a candidate for each stated number of the set-up and its specimens. Those of single runs, zeros of readings and
+/// deviations in a batch stay what they are.
+/// @param nominal the scalars that a fit may change
+void addStatedNumbers(const std::vector<Scalar>& nominal, CandidateEffects& candidates);
+
+} // namespace supercircle::diagnosis

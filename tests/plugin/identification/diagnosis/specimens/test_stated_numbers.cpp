@@ -1,0 +1,124 @@
+// A stated number outside its interval is called wrong, and no physics.
+
+#include "../toy.h"
+
+#include "plugin/identification/diagnosis/model/stated_numbers.h"
+#include "supercircle/step/parallel.h"
+
+#include <catch2/catch.hpp>
+
+using namespace supercircle::diagnosis;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The spring, whose stiffness and friction may be wrong; `ambiguous` adds a material law that does what the stiffness
+/// does.
+class Doubted final : public toy::Spring {
+public:
+    explicit Doubted(const RecordedData& data, bool ambiguous = false) : Spring(data) {
+        CandidateEffects numbers;
+        addStatedNumbers(nominal(), numbers);
+        all_ = Spring::candidates();
+        all_.insert(all_.end(), numbers.candidates.begin(), numbers.candidates.end());
+        if (ambiguous)
+            all_.push_back({"foundation",
+                            "material",
+                            "",
+                            "c x",
+                            {{"c", "N/m", "", 0.0, -500.0, 500.0, 2.0, Scale::Linear, true}},
+                            {{5.0}}});
+    }
+    [[nodiscard]] const std::vector<CandidateEffect>& candidates() const override {
+        return all_.empty() ? Spring::candidates() : all_;
+    }
+    [[nodiscard]] Response simulate(std::size_t r, const ParameterPoint& p, Fidelity f,
+                                    const std::atomic<bool>* stop) const override {
+        ParameterPoint without = p;
+        double more = 0.0;
+        for (Term& t : without.terms)
+            if (const CandidateEffect& c = all_[t.candidate]; c.isNumber() || c.label == "foundation") {
+                if (c.isNumber())
+                    without.nominal[static_cast<std::size_t>(c.number)] +=
+                        t.values.front() - nominal()[static_cast<std::size_t>(c.number)].value;
+                else
+                    more = t.values.front();
+                t.values.front() = 0.0;
+            }
+        without.nominal[0] += more;
+        return Spring::simulate(r, without, f, stop);
+    }
+
+private:
+    std::vector<CandidateEffect> all_;
+};
+
+/// Recordings with these true numbers, and a cubic law.
+RecordedData recorded(double stiffness, double friction, double cubic, std::uint64_t seed) {
+    RecordedData data = toy::recordings(seed);
+    const toy::Spring spring(data);
+    ParameterPoint truth{{stiffness, friction}, {}};
+    if (cubic != 0.0)
+        truth.terms.push_back({2, {cubic}});
+    Random random(seed);
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        data.runs[r].force = spring.simulate(r, truth, Fidelity::Fine, nullptr).force;
+        toy::addNoise(data.runs[r], random);
+    }
+    return data;
+}
+
+Diagnosis diagnosed(const RecordedData& data, const Model& model) {
+    SimulationCache cache;
+    Evaluator evaluator(model, data.runs.size(), supercircle::step::threadLoop(1), cache);
+    return diagnose(data, evaluator, toy::exact());
+}
+
+} // namespace
+
+TEST_CASE("a number outside its stated interval is called wrong", "[diagnosis][numbers]") {
+    for (const double stiffness : {125.0, 112.0, 70.0}) { // stated as 100 +- 6
+        const RecordedData data = recorded(stiffness, 0.08, 0.0, 31);
+        const Diagnosis d = diagnosed(data, Doubted(data));
+        INFO(d.statement);
+        CHECK(d.wrongNumber);
+        CHECK(d.verdict == "inconclusive"); // on missing effects
+        CHECK_THAT(d.statement, Contains("A stated number is wrong: stiffness is"));
+        CHECK(titleOf(d) == "A stated number is wrong");
+        REQUIRE_FALSE(d.effects.empty());
+        // noise of 0.01 N over 900 rows of up to 1 N: 0.1 N/m
+        CHECK(d.effects.front().parameters.front().value == Approx(stiffness).margin(0.4));
+        CHECK(d.effects.front().parameters.front().ci90.low < stiffness + 0.3);
+        CHECK(d.effects.front().parameters.front().ci90.high > stiffness - 0.3);
+    }
+}
+
+TEST_CASE("two numbers outside their intervals are both called wrong", "[diagnosis][numbers]") {
+    const RecordedData data = recorded(125.0, 0.25, 0.0, 32); // friction is stated as 0.1 +- 0.05
+    const Diagnosis d = diagnosed(data, Doubted(data));
+    INFO(d.statement);
+    CHECK(d.wrongNumber);
+    CHECK_THAT(d.statement, Contains("stiffness is") && Contains("friction is"));
+}
+
+TEST_CASE("numbers inside their intervals change no verdict", "[diagnosis][numbers]") {
+    const Diagnosis clean = diagnosed(recorded(103.0, 0.08, 0.0, 33), Doubted(recorded(103.0, 0.08, 0.0, 33)));
+    CHECK(clean.verdict == "adequate");
+    for (const ScreenedEffect& s : clean.screening)
+        CHECK(s.label.rfind("stated_", 0) != 0); // they belong to no catalogue
+    const RecordedData data = recorded(103.0, 0.08, 4e5, 34);
+    const Diagnosis hidden = diagnosed(data, Doubted(data));
+    INFO(hidden.statement);
+    CHECK(hidden.verdict == "identified");
+    CHECK(hidden.effects.front().label == "cubic");
+}
+
+TEST_CASE("an effect that a wrong number imitates is not identified", "[diagnosis][numbers]") {
+    const RecordedData data = recorded(125.0, 0.08, 0.0, 35);
+    const Diagnosis d = diagnosed(data, Doubted(data, true));
+    INFO(d.statement);
+    CHECK(d.verdict == "ambiguous");
+    CHECK_FALSE(d.wrongNumber);
+    REQUIRE(d.effects.size() > 1);
+    CHECK(d.effects.front().confoundedWith.size() == 2);
+}

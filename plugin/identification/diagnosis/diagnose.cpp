@@ -326,11 +326,13 @@ void Procedure::computeWeights(ModelWeights& w) {
                  .empty());
         given.forecastFails.push_back(!forecastHolds(t.held));
         // Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
-        // catalogue". All stated numbers together have the prior of one effect.
-        given.prior.push_back((t.learned                 ? 0.5 * kPriorOutsideCatalogue
-                               : t.candidates.size() > 1 ? 0.1 * share
-                                                         : share) /
-                              (ofNumber ? numbers : 1.0));
+        // catalogue". All stated numbers together have the prior of one effect; two of them are no rarer than one, as
+        // another specimen differs in all.
+        const bool doubts = std::any_of(t.candidates.begin(), t.candidates.end(),
+                                        [&](std::size_t c) { return candidates()[c].isNumber(); });
+        given.prior.push_back(t.learned ? 0.5 * kPriorOutsideCatalogue
+                                        : (t.candidates.size() > 1 && !ofNumber ? 0.1 : 1.0) * share /
+                                              (doubts ? numbers : 1.0));
     }
     given.p = out_.misfit.extendedP;
     given.excessKurtosis = out_.noise.excessKurtosis;

@@ -179,8 +179,8 @@ struct Diagnosis {
     double adequate = 0.0, outsideCatalogue = 0.0;
     double baselineTraining = 0.0, baselineHeldOut = 0.0, improvedTraining = 0.0, improvedHeldOut = 0.0; ///< N
     bool wrongNumber = false; ///< a stated number is wrong, and nothing else is shown to be missing
-    bool improved = false; ///< whether the last two belong to an effect; otherwise to the baseline
-    Forecast forecast;     ///< of the same hypothesis
+    bool improved = false;    ///< whether the last two belong to an effect; otherwise to the baseline
+    Forecast forecast;        ///< of the same hypothesis
     double improvement = 0.0;
     Interval improvementCi{};
     double baselineChiSquaredPerReading = 0.0; ///< mean squared residual of the baseline

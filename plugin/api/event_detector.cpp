@@ -346,12 +346,18 @@ void EventDetector::end(const step::World& world, const HandleOf& handleOf) {
     std::swap(known, now);
     updateOverlaps(world, handleOf);
     for (const step::Rod& r : world.rods)
-        for (const step::Hold& h : r.holds)
-            if ((h.stop.body != 0 || h.stop.byHold) && h.stop.since >= frameStart_ && h.stop.since < world.time) {
+        for (const step::Hold& h : r.holds) {
+            const auto blocked = [&](double time, BodyId body, bool stopped) {
+                if (time < frameStart_ || time >= world.time)
+                    return;
                 const ShellHandle shell = handleOf(r.key);
-                events.hold_blocked.push_back(
-                    {h.stop.since, shell, {r.key, h.key, shell.world}, h.stop.body, h.stop.driven});
-            }
+                events.hold_blocked.push_back({time, shell, {r.key, h.key, shell.world}, body, stopped});
+            };
+            if (h.stop.body != 0)
+                blocked(h.stop.since, h.stop.body, h.stop.driven);
+            if (h.stop.byHold && !h.stop.byHoldBefore)
+                blocked(h.stop.time, 0, true);
+        }
     std::stable_sort(events.hold_blocked.begin(), events.hold_blocked.end(),
                      [](const HoldBlockedEvent& a, const HoldBlockedEvent& b) { return a.time < b.time; });
 }

@@ -37,7 +37,7 @@ struct HoldStop {
     BodyId body = 0;                                       ///< that the point touches, 0: none
     double since = 0.0;                                    ///< World::time of the first touch, while there is a body
     bool driven = false;                                   ///< the hold went there; false: the body came
-    bool byHold = false, byHoldBefore = false; ///< another hold of the shell stops it, in this frame and in the last
+    bool byHold = false, byHoldBefore = false; ///< another hold of the shell stops it at `time`; it did before
 };
 
 /// Holds one material point of a rod: position, and direction too when `clamped`.

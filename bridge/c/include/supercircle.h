@@ -268,7 +268,7 @@ typedef struct sc_hit {
 } sc_hit;
 typedef struct sc_event {
     int32_t kind;   ///< SC_CONTACT_BEGIN ...; what a kind does not have is 0
-    int32_t reason; ///< SC_QUARANTINE_...; SC_HOLD_BLOCKED: 1 if the target came to rest
+    int32_t reason; ///< SC_QUARANTINE_...; SC_HOLD_BLOCKED: 1 if the target came to rest; no body: by another hold
     double time;    ///< s
     sc_shell a;
     sc_shell b; ///< null: a body

@@ -87,18 +87,9 @@ double leaves(const HeldPair& pair, double frame) {
 
 void stopHeldPairs(const World& world, double frame, Rod& rod) {
     const auto stopBy = [&](Hold& hold, double at) {
-        HoldStop& stop = hold.stop;
-        stop.time = std::min(stop.time, world.time + at);
-        if (!hold.target.moving())
-            return;
-        if (!stop.byHold && !stop.byHoldBefore)
-            stop.since = world.time + at;
-        stop.byHold = stop.driven = true;
+        hold.stop.time = std::min(hold.stop.time, world.time + at);
+        hold.stop.byHold = hold.stop.byHold || hold.target.moving();
     };
-    for (Hold& hold : rod.holds) {
-        hold.stop.byHoldBefore = hold.stop.byHold;
-        hold.stop.byHold = false;
-    }
     for (std::size_t i = 0; i < rod.holds.size(); ++i)
         for (std::size_t j = i + 1; j < rod.holds.size(); ++j) {
             Hold *a = &rod.holds[i], *b = &rod.holds[j];

@@ -156,6 +156,8 @@ bool isDriven(const Approach& a, double at, double frame) {
 
 void stopHold(const World& world, double frame, const Rod& rod, Hold& hold) {
     HoldStop& stop = hold.stop;
+    stop.byHoldBefore = stop.byHold && stop.time <= world.time;
+    stop.byHold = false;
     stop.time = kInfinity;
     const double thickness = rod.model.definition().thickness;
     double touch = kInfinity;

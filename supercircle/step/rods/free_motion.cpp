@@ -45,11 +45,8 @@ private:
     bool tryStep(double start, double size);
     [[nodiscard]] double errorOf(double tau);
     [[nodiscard]] double vibration(std::size_t stage);
-    [[nodiscard]] double potential(bool second, double ahead);
     [[nodiscard]] double holdWork(std::size_t i, double start, double size, double tau);
-    [[nodiscard]] double energyAtEnd(double ahead);
-    [[nodiscard]] double bending();
-    [[nodiscard]] bool gains(double start, double size, double tau);
+    [[nodiscard]] bool gains(double start, double size, double tau, double energy);
     void takeRod(std::size_t i, double start, double size, double tau);
     void measureWay();
     void finish();
@@ -110,67 +107,24 @@ bool FreeMotion::begin() {
     system_.evaluate();
     if (!system_.begin())
         return false;
-    if (!guarded_)
-        return true;
-    energy_ = potential(false, 0.0);
-    for (std::size_t i = 0; i < system_.size(); ++i)
-        energy_ += rod::kineticEnergy(system_.rod(i).gauss, system_.rod(i).u);
-    for (const FreeBody& b : g_.bodies)
-        energy_ += 0.5 * b.p.dot(b.v) - b.pull.dot(b.q);
+    if (guarded_)
+        energy_ = system_.energyAtStart();
     return true;
-}
-
-/// Of bending, gravity and forces on guarded rods as evaluated last, at the state or at the end of the second stage, J.
-/// `ahead`: s from the start of the step, for materials that age.
-double FreeMotion::potential(bool second, double ahead) {
-    double energy = 0.0;
-    for (std::size_t i = 0; i < system_.size() && guarded_; ++i) {
-        const Rod& rod = system_.rod(i);
-        const rod::RodModel& model = rod.model;
-        const FreeWork& f = system_.free(i);
-        const rod::Kinematics& kin = system_.work(i).kin;
-        const Vec2 centre = f.middle + rod::massCentre(kin, system_.work(i).gauss);
-        const double bent = second ? bentEnergy(rod, f.stages[1].q, f.stages[1].overstress, ahead)
-                                   : bentEnergy(rod, f.q, f.overstress, ahead);
-        energy += bent - model.mass() * world_.gravity.dot(centre);
-        for (const AppliedForce& a : rod.forces) {
-            const rod::MaterialPoint at = rod::locate(model, a.s);
-            energy -= a.force.dot(kin.point(at) + f.middle) + a.torque * kin.angle(at);
-        }
-    }
-    return energy;
-}
-
-/// At the end of the second stage, J.
-double FreeMotion::energyAtEnd(double ahead) {
-    double energy = potential(true, ahead);
-    for (std::size_t i = 0; i < system_.size(); ++i)
-        energy += 0.5 * system_.free(i).stages[1].p.dot(system_.free(i).stages[1].v);
-    for (const FreeBody& b : g_.bodies)
-        energy += 0.5 * b.stages[1].p.dot(b.stages[1].v) - b.pull.dot(b.stages[1].q);
-    return energy;
-}
-
-/// At the end of the second stage, J.
-double FreeMotion::bending() {
-    double energy = 0.0;
-    for (std::size_t i = 0; i < system_.size(); ++i)
-        energy += rod::bendingEnergy(system_.rod(i).model, system_.free(i).stages[1].q);
-    return energy;
 }
 
 /// Whether a step of guarded rods brings in more energy than its error may: the scheme takes energy where it is linear,
 /// not where a rod turns fast about a joint or by a force at its end.
-bool FreeMotion::gains(double start, double size, double tau) {
+/// @param energy at its end, J
+bool FreeMotion::gains(double start, double size, double tau, double energy) {
     double given = 0.0;
     for (std::size_t i = 0; i < system_.size(); ++i)
         given += holdWork(i, start, size, tau);
     for (const FreeJoint& j : g_.joints)
         given += kExtrapolate * j.stages[0].given + j.stages[1].given;
-    const double gained = energyAtEnd(start + size) - energy_ - given;
+    const double gained = energy - energy_ - given;
     double allowed = kGain * settings_.freeError * g_.vibration;
     if (!inexact_) // at rest, round-off is all that moves
-        allowed = std::max(allowed, kGainOfHeld * (g_.vibration + bending()));
+        allowed = std::max(allowed, kGainOfHeld * (g_.vibration + system_.bendingAtEnd()));
     return gained > allowed;
 }
 
@@ -316,7 +270,8 @@ bool FreeMotion::tryStep(double start, double size) {
     g_.size = std::max(wanted, std::min(kLongestGrowth * size, dt_ / settings_.freeSteps));
     if (error > 1.0 && size > g_.size * (1.0 + 1e-6))
         return false;
-    if (guarded_ && settings_.fixedDt <= 0.0 && gains(start, size, tau) && size > least_ * (1.0 + 1e-9)) {
+    const double energy = guarded_ && settings_.fixedDt <= 0.0 ? system_.energyAtEnd(start + size) : 0.0;
+    if (guarded_ && settings_.fixedDt <= 0.0 && size > least_ * (1.0 + 1e-9) && gains(start, size, tau, energy)) {
         g_.size = 0.5 * size;
         return false;
     }
@@ -324,7 +279,7 @@ bool FreeMotion::tryStep(double start, double size) {
         takeRod(i, start, size, tau);
     system_.take();
     g_.tau = tau;
-    energy_ = guarded_ ? energyAtEnd(start + size) : 0.0;
+    energy_ = energy;
     system_.evaluate();
     ++g_.steps;
     return true;

@@ -35,6 +35,13 @@ public:
     /// False: it could not.
     [[nodiscard]] bool close(double ahead);
 
+    /// Kinetic, of bending, gravity and forces, J: of the state, whose geometry was evaluated last.
+    [[nodiscard]] double energyAtStart();
+    /// Of the second stage, solved last, `ahead` s from the start of the step, to which materials have aged, J.
+    [[nodiscard]] double energyAtEnd(double ahead);
+    /// Of bending alone, by the rods' own law, J.
+    [[nodiscard]] double bendingAtEnd();
+
     [[nodiscard]] std::size_t size() const { return g_.rods.size(); }
     [[nodiscard]] const Rod& rod(std::size_t i) const { return world_.rods[g_.rods[i]]; }
     [[nodiscard]] RodWork& work(std::size_t i) { return rods_[g_.rods[i]]; }
@@ -59,6 +66,7 @@ private:
     [[nodiscard]] Eigen::Vector3d gapOf(const FreeJoint& j, const Places& p) const;
     [[nodiscard]] Eigen::Vector3d givenRate(const FreeJoint& j, const Places& p) const;
     [[nodiscard]] bool isClosed(const FreeJoint& j);
+    [[nodiscard]] double potentialOf(std::size_t i);
     void listBodies();
     void listRows();
     void collectPulls();

@@ -19,7 +19,6 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -149,8 +148,6 @@ private:
     [[nodiscard]] ParameterIntervals intervalsOf(const Entry& entry);
     void conclude();
     void computeWeights(ModelWeights& w);
-    [[nodiscard]] bool isOfNumbers(const FittedHypothesis& t) const;
-    void weighNumbers(Evidence& evidence) const;
     /// The residual of a hypothesis, localised as the baseline residual is.
     const Localisation& residualOf(std::size_t model);
     [[nodiscard]] std::vector<RunForecast> forecastsOfRuns(const PredictiveScore& score) const;
@@ -311,13 +308,8 @@ void Procedure::computeWeights(ModelWeights& w) {
     std::vector<PredictiveScore> held;
     WeightingInput given;
     given.catalogue = out_.screening.size();
-    const double share = kPriorCatalogue / static_cast<double>(std::max<std::size_t>(1, given.catalogue));
-    const auto numbers = static_cast<double>(std::max<std::ptrdiff_t>(
-        1, std::count_if(candidates().begin(), candidates().end(), std::mem_fn(&CandidateEffect::isNumber))));
     for (const FittedHypothesis& t : hypotheses_) {
         held.push_back(t.held);
-        const bool ofNumber = isOfNumbers(t);
-        given.beside.push_back(ofNumber ? 1 : 0);
         given.mustBeat.push_back(t.mustBeat);
         given.outside.push_back(t.learned ? 1 : 0);
         given.atBound.push_back(
@@ -325,14 +317,9 @@ void Procedure::computeWeights(ModelWeights& w) {
             !amplitudesAtBound(evaluator_.model(), t.fit, std::max(1.0, chiSquaredPerReading(*likelihood_, t.fit)))
                  .empty());
         given.forecastFails.push_back(!forecastHolds(t.held));
-        // Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
-        // catalogue". All stated numbers together have the prior of one effect; two of them are no rarer than one, as
-        // another specimen differs in all.
-        const bool doubts = std::any_of(t.candidates.begin(), t.candidates.end(),
-                                        [&](std::size_t c) { return candidates()[c].isNumber(); });
-        given.prior.push_back(t.learned ? 0.5 * kPriorOutsideCatalogue
-                                        : (t.candidates.size() > 1 && !ofNumber ? 0.1 : 1.0) * share /
-                                              (doubts ? numbers : 1.0));
+        const HypothesisPrior prior = priorOf(candidates(), t, given.catalogue);
+        given.prior.push_back(prior.weight);
+        given.beside.push_back(prior.beside ? 1 : 0);
     }
     given.p = out_.misfit.extendedP;
     given.excessKurtosis = out_.noise.excessKurtosis;
@@ -415,9 +402,12 @@ void Procedure::conclude() {
                               [](const std::string& what) { return what.rfind("the effect ", 0) == 0; });
     for (std::size_t a = 0; a < entries_.size(); ++a)
         out_.effects[a].confoundedWith = ranking.groupOf(entries_, a, out_.effects[a].jointWith);
-    if (e.any)
-        e.groupProbability = ranking.probabilityOf(out_.effects.front().confoundedWith);
-    weighNumbers(e);
+    if (e.any) {
+        const FittedEffect& first = out_.effects.front();
+        e.groupProbability = ranking.probabilityOf(first.confoundedWith);
+        e.numbersOnly = ranking.allCorrect(first.confoundedWith) && ranking.allCorrect(first.jointWith);
+        e.numbers = ranking.anyCorrects(first.confoundedWith) || ranking.anyCorrects(first.jointWith);
+    }
     summariseEvidence(w, e);
     out_.verdict = verdictOf(e);
     out_.wrongNumber = isWrongNumber(e);
@@ -432,25 +422,6 @@ void Procedure::conclude() {
     if (!evaluator_.stop().attempt([&] { proposeNextExperiment(); }))
         out_.notTried.push_back("the choice of a next experiment");
     out_.statement = statementOf(out_, e);
-}
-
-bool Procedure::isOfNumbers(const FittedHypothesis& t) const {
-    return !t.learned && std::all_of(t.candidates.begin(), t.candidates.end(),
-                                     [&](std::size_t c) { return candidates()[c].isNumber(); });
-}
-
-/// Whether the first hypothesis and all that cannot be told from it correct the description, or some of them.
-void Procedure::weighNumbers(Evidence& e) const {
-    if (!e.any)
-        return;
-    std::vector<std::string> labels = out_.effects.front().confoundedWith;
-    labels.insert(labels.end(), out_.effects.front().jointWith.begin(), out_.effects.front().jointWith.end());
-    const auto isNumber = [&](const std::string& label) {
-        return std::any_of(candidates().begin(), candidates().end(),
-                           [&](const CandidateEffect& c) { return c.corrects && c.label == label; });
-    };
-    e.numbersOnly = std::all_of(labels.begin(), labels.end(), isNumber);
-    e.numbers = std::any_of(labels.begin(), labels.end(), isNumber);
 }
 
 void Procedure::summariseEvidence(const ModelWeights& w, Evidence& e) {

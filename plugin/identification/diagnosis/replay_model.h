@@ -48,7 +48,6 @@ public:
 private:
     void addReading(const Term& term, std::size_t run, const std::vector<double>& time, Response& response) const;
     [[nodiscard]] std::string setNominal(replay::Parameters& parameters, std::size_t index, double value) const;
-    [[nodiscard]] std::string shiftNumber(replay::Parameters& parameters, std::size_t index, double value) const;
 
     const experiment::Experiment& experiment_;
     std::vector<Scalar> nominal_;

@@ -150,14 +150,15 @@ std::vector<ParameterInfo> sceneList(const Experiment& e) {
                                          : std::string();
         of += ofBatch ? ": the common value unless it is set" : "";
         all.push_back({nameOf({s.name, run, 0.0, specimen}, e), s.unit.empty() ? "1" : s.unit, s.about + of,
-                       ofBatch ? exact(s.stated.value) : s.stated, specimen, ofBatch});
+                       ofBatch ? exact(s.stated.value) : s.stated, specimen, ofBatch, run >= 0});
     });
     for (const Surrounding& s : kSurroundings)
         if (ofScene(s, e))
             all.push_back({s.name, s.unit, s.about, s.stated(e)});
-    all.push_back({"reading_zero", unitOf(e.scene->observation.quantity), "reading at pose zero", e.scene->zero});
+    all.push_back({"reading_zero", unitOf(e.scene->observation.quantity), "reading at pose zero", e.scene->zero, -1,
+                   false, true});
     for (const experiment::FurtherChannel& c : e.scene->further)
-        all.push_back({zeroOf(c), unitOf(c.observation.quantity), "the same of " + c.observe, c.zero});
+        all.push_back({zeroOf(c), unitOf(c.observation.quantity), "the same of " + c.observe, c.zero, -1, false, true});
     return all;
 }
 

@@ -56,6 +56,7 @@ struct ParameterInfo {
     experiment::Stated stated; ///< nominal value and half-width of its interval (0: exact)
     int specimen = -1;         ///< scenes: of one specimen
     bool ofBatch = false;      ///< deviates from the common value, if it is set (BatchParameter)
+    bool ofRecording = false;  ///< of one run, or the zero of a reading; else of the set-up or its specimens
 };
 
 /// The nominal parameters of an experiment.

@@ -38,6 +38,7 @@ struct Scalar {
     /// Index into Model::batch(): it is the deviation of its specimen, and `step` the scale of the scatter. -1: it is
     /// none.
     int batch = -1;
+    bool doubtful = false; ///< the description states it for the set-up or a specimen, so that it may be wrong
 };
 
 /// A parameter that differs between specimens. Their deviations from a common value are normal with a standard

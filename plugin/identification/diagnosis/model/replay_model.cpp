@@ -76,6 +76,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
             s.lower = std::max(0.0, s.lower);
         s.step = info.stated.halfWidth;
         s.specimen = info.specimen;
+        s.doubtful = !info.ofRecording;
         all.push_back(s);
     }
     if (!e.scene || (replay::get(replay::nominal(e), e, "series_compliance") && replay::comparesForce(e)))
@@ -294,25 +295,19 @@ std::string ReplayModel::setNominal(replay::Parameters& p, std::size_t index, do
     return replay::set(p, experiment_, s.name, replay::get(p, experiment_, common).value_or(0.0) + value);
 }
 
-/// Moves a number by the distance of `value` from what is stated.
-std::string ReplayModel::shiftNumber(replay::Parameters& p, std::size_t index, double value) const {
-    const Scalar& s = nominal_[index];
-    const double present = replay::get(p, experiment_, s.name).value_or(s.value);
-    return replay::set(p, experiment_, s.name, present + (value - s.value));
-}
-
 std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Parameters& p) const {
     p = replay::nominal(experiment_);
-    for (std::size_t i = 0; i < nominal_.size() && i < point.nominal.size(); ++i)
-        if (std::string why = setNominal(p, i, point.nominal[i]); !why.empty())
+    std::vector<double> numbers = point.nominal;
+    for (const Term& t : point.terms)
+        if (const CandidateEffect& c = candidateEffects_.candidates[t.candidate]; c.isNumber())
+            numbers[static_cast<std::size_t>(c.number)] += t.values.front() - c.parameters.front().value;
+    for (std::size_t i = 0; i < nominal_.size() && i < numbers.size(); ++i)
+        if (std::string why = setNominal(p, i, numbers[i]); !why.empty())
             return why;
     p.effects = fixed_;
     for (const Term& t : point.terms) {
-        if (const CandidateEffect& c = candidateEffects_.candidates[t.candidate]; c.isNumber()) {
-            if (std::string why = shiftNumber(p, static_cast<std::size_t>(c.number), t.values.front()); !why.empty())
-                return why;
+        if (candidateEffects_.candidates[t.candidate].isNumber())
             continue;
-        }
         const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];
         if (mapping.readingEffect != ReadingEffect::None && mapping.parameterAt.empty())
             continue; // a learned one has no setting

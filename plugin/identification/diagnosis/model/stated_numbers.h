@@ -9,8 +9,7 @@
 
 namespace supercircle::diagnosis {
 
-/// Adds a candidate for each stated number of the set-up and its specimens. Those of single runs, zeros of readings and
-/// deviations in a batch stay what they are.
+/// Adds a candidate for each doubtful number.
 /// @param nominal the scalars that a fit may change
 void addStatedNumbers(const std::vector<Scalar>& nominal, CandidateEffects& candidates);
 

@@ -196,15 +196,6 @@ double undetectableShare(const std::vector<ScreenedEffect>& screening) {
     return relevant > 0.0 ? undetectable / relevant : 1.0;
 }
 
-namespace {
-
-bool isExplained(const Evidence& e) {
-    const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
-    return e.groupProbability >= 0.9 && gains && e.forecastHolds;
-}
-
-} // namespace
-
 std::string verdictOf(const Evidence& e) {
     // The model weights contain the family-wise p-value, held-out gains and the residual of the best hypothesis.
     if (!(e.adequate >= 0.0 && e.outsideCatalogue >= 0.0)) // numerical failure
@@ -217,14 +208,17 @@ std::string verdictOf(const Evidence& e) {
         return "inconclusive";
     if (e.outsideCatalogue >= 0.5 || !e.any)
         return e.searched ? "outside_catalogue" : "ambiguous"; // an effect that was not tried may explain it
-    if (!isExplained(e))
+    const bool gains = (e.gainLow > 0.0 && e.gain > 3.0) || e.gain > kBeyondChance;
+    if (!(e.groupProbability >= 0.9 && gains && e.forecastHolds))
         return "ambiguous";
     return e.numbersOnly ? "inconclusive" : e.numbers ? "ambiguous" : "identified";
 }
 
-bool isWrongNumber(const Evidence& e) {
-    return e.any && e.numbersOnly && e.adequate < 0.5 && e.p <= kFamilyWise && e.outsideCatalogue < 0.5 &&
-           isExplained(e);
+bool isWrongNumber(Evidence e) {
+    if (!e.numbersOnly)
+        return false;
+    e.numbersOnly = e.numbers = false;
+    return verdictOf(e) == "identified";
 }
 
 namespace {
@@ -280,7 +274,8 @@ std::string wrongNumberSentence(const Diagnosis& d) {
             text += "; and " + write(*other);
     for (std::size_t i = 1; i < first.confoundedWith.size(); ++i)
         if (const auto other = find(first.confoundedWith[i]); other != d.effects.end())
-            text += "; or else " + write(*other);
+            text += "; or else " + write(*other) +
+                    (other->jointWith.empty() ? "" : " (with " + joined(other->jointWith) + ")");
     return text + "; " + heldOutSentence(d, first) + " Correct the description and diagnose again.";
 }
 

@@ -27,7 +27,7 @@ double undetectableShare(const std::vector<ScreenedEffect>& screening);
 /// One of the five verdicts of diagnosis.json. No effect is identified where a stated number may be wrong instead.
 std::string verdictOf(const Evidence& evidence);
 /// Whether a wrong stated number explains the runs; the verdict on missing effects is "inconclusive" then.
-bool isWrongNumber(const Evidence& evidence);
+bool isWrongNumber(Evidence evidence);
 
 /// One or two plain sentences.
 std::string statementOf(const Diagnosis& diagnosis, const Evidence& evidence);

@@ -90,23 +90,20 @@ private:
 
 std::vector<RankedProbes> HypothesisSearch::promising() const {
     // 8 is a p-value of half a per cent for one parameter.
-    std::vector<RankedProbes> ranked = byLabel(input_.evaluator.model(), input_.screened, 8.0);
-    const double largest = ranked.empty() ? 0.0 : ranked.front().front()->gain;
-    // Stated numbers take no place of an effect.
-    const auto numbersBegin =
-        std::stable_partition(ranked.begin(), ranked.end(), [&](const RankedProbes& r) { return !ofNumber(r); });
-    std::vector<RankedProbes> numbers(numbersBegin, ranked.end());
-    ranked.erase(numbersBegin, ranked.end());
-    numbers.resize(std::min(numbers.size(), kNumbers));
-    // The linear screening may be wrong, but not by a factor of thirty.
-    while (ranked.size() > 3 && (ranked.size() > input_.settings.fits || ranked.back().front()->gain < largest / 30.0))
-        ranked.pop_back();
-    // What promises most comes first: the fits after a good one end early.
-    ranked.insert(ranked.end(), numbers.begin(), numbers.end());
-    std::stable_sort(ranked.begin(), ranked.end(), [&](const RankedProbes& a, const RankedProbes& b) {
-        return isAside(a) != isAside(b) ? isAside(b) : a.front()->gain > b.front()->gain;
-    });
-    return ranked;
+    const std::vector<RankedProbes> ranked = byLabel(input_.evaluator.model(), input_.screened, 8.0);
+    // The best first: fits after a good one end early. Stated numbers take no place of an effect. The linear screening
+    // may be wrong, but not by a factor of thirty.
+    std::vector<RankedProbes> kept;
+    std::size_t numbers = 0, effects = 0;
+    for (const RankedProbes& r : ranked)
+        if (ofNumber(r) ? numbers++ < kNumbers
+                        : effects < 3 || (effects < input_.settings.fits &&
+                                          r.front()->gain >= ranked.front().front()->gain / 30.0)) {
+            effects += ofNumber(r) ? 0 : 1;
+            kept.push_back(r);
+        }
+    std::stable_partition(kept.begin(), kept.end(), [&](const RankedProbes& r) { return !isAside(r); });
+    return kept;
 }
 
 bool HypothesisSearch::ofNumber(const RankedProbes& probes) const {

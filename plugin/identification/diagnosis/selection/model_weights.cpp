@@ -88,6 +88,21 @@ double splitUndetectable(double baseline, const std::vector<std::string>& fitted
     return baseline * kPriorAdequate / all;
 }
 
+HypothesisPrior priorOf(const std::vector<CandidateEffect>& candidates, const FittedHypothesis& t, std::size_t labels) {
+    if (t.learned)
+        return {0.5 * kPriorOutsideCatalogue, false};
+    const auto isNumber = [](const CandidateEffect& c) { return c.isNumber(); };
+    const auto numbers =
+        std::count_if(t.candidates.begin(), t.candidates.end(), [&](std::size_t c) { return isNumber(candidates[c]); });
+    const bool beside = numbers == static_cast<std::ptrdiff_t>(t.candidates.size());
+    double weight = kPriorCatalogue / static_cast<double>(std::max<std::size_t>(1, labels));
+    if (t.candidates.size() > 1 && !beside)
+        weight *= 0.1;
+    if (numbers > 0)
+        weight /= static_cast<double>(std::count_if(candidates.begin(), candidates.end(), isNumber));
+    return {weight, beside};
+}
+
 void removeOutsideCatalogue(ModelWeights& w) {
     const double rest = 1.0 - w.outsideCatalogue;
     w.outsideCatalogue = 0.0;

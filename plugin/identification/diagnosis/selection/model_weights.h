@@ -13,6 +13,7 @@
 #include "plugin/identification/diagnosis/localisation/localise.h"
 #include "plugin/identification/diagnosis/result.h"
 #include "plugin/identification/diagnosis/selection/cross_validation.h"
+#include "plugin/identification/diagnosis/selection/fitted_hypothesis.h"
 
 #include <cstdint>
 #include <string>
@@ -81,6 +82,17 @@ struct WeightingInput {
     }
     std::uint64_t seed = 1;
 };
+struct HypothesisPrior {
+    double weight = 0.0;
+    bool beside = false; ///< as WeightingInput::beside
+};
+/// Two simultaneous effects have a tenth of the prior of one; a learned law has half of that of "outside the
+/// catalogue". All stated numbers together have the prior of one effect; two of them are no rarer than one, as another
+/// specimen differs in all (decision 0231).
+/// @param labels of the catalogue
+HypothesisPrior priorOf(const std::vector<CandidateEffect>& candidates, const FittedHypothesis& hypothesis,
+                        std::size_t labels);
+
 /// All scores must be usableScore() with as many blocks as the baseline.
 ModelWeights modelWeights(const PredictiveScore& baseline, const std::vector<PredictiveScore>& effects,
                           const WeightingInput& given);

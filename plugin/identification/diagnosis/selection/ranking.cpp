@@ -50,6 +50,19 @@ std::vector<std::string> Ranking::groupOf(const std::vector<Entry>& entries, std
     return group;
 }
 
+bool Ranking::corrects(const std::string& label) const {
+    return std::any_of(model_.candidates().begin(), model_.candidates().end(),
+                       [&](const CandidateEffect& c) { return c.corrects && c.label == label; });
+}
+
+bool Ranking::allCorrect(const std::vector<std::string>& labels) const {
+    return std::all_of(labels.begin(), labels.end(), [&](const std::string& label) { return corrects(label); });
+}
+
+bool Ranking::anyCorrects(const std::vector<std::string>& labels) const {
+    return std::any_of(labels.begin(), labels.end(), [&](const std::string& label) { return corrects(label); });
+}
+
 double Ranking::probabilityOf(const std::vector<std::string>& group) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < hypotheses_.size(); ++i)

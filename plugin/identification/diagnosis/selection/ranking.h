@@ -33,11 +33,15 @@ public:
     /// @param jointWith labels of the same hypothesis, which do not compete
     [[nodiscard]] std::vector<std::string> groupOf(const std::vector<Entry>& entries, std::size_t of,
                                                    const std::vector<std::string>& with) const;
+    /// Whether all of these labels, or any, correct the description and add no physics.
+    [[nodiscard]] bool allCorrect(const std::vector<std::string>& labels) const;
+    [[nodiscard]] bool anyCorrects(const std::vector<std::string>& labels) const;
     /// Probability that any label of a group acts; a pair within the group counts once.
     [[nodiscard]] double probabilityOf(const std::vector<std::string>& group) const;
 
 private:
     [[nodiscard]] const std::string& labelOf(std::size_t candidate) const;
+    [[nodiscard]] bool corrects(const std::string& label) const;
     [[nodiscard]] bool contains(const FittedHypothesis& hypotheses, const std::string& label) const;
     [[nodiscard]] const FittedHypothesis* best(const std::string& with, const std::string& without) const;
     [[nodiscard]] double ownGain(const std::string& label) const;

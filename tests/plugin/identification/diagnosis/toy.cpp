@@ -41,6 +41,8 @@ RecordedRun motion(const std::string& name, double speed, double rate) {
 Spring::Spring(const RecordedData& data, bool dashpot, bool learns) : data_(data) {
     nominal_ = {{"stiffness", "N/m", "", 100.0, 94.0, 106.0, 6.0, Scale::Linear, false},
                 {"friction", "N", "", 0.1, 0.05, 0.15, 0.05, Scale::Linear, false}};
+    for (Scalar& s : nominal_)
+        s.doubtful = true;
     if (dashpot)
         candidates_.push_back({"dashpot",
                                "material",

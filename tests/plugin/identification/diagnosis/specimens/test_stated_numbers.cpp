@@ -3,7 +3,11 @@
 #include "../toy.h"
 
 #include "plugin/identification/diagnosis/model/stated_numbers.h"
+#include "plugin/identification/diagnosis/replay_model.h"
+#include "plugin/identification/replay/parameters.h"
+#include "plugin/recording/experiment/load.h"
 #include "supercircle/step/parallel.h"
+#include "tests/support/folder.h"
 
 #include <catch2/catch.hpp>
 
@@ -121,4 +125,37 @@ TEST_CASE("an effect that a wrong number imitates is not identified", "[diagnosi
     CHECK_FALSE(d.wrongNumber);
     REQUIRE(d.effects.size() > 1);
     CHECK(d.effects.front().confoundedWith.size() == 2);
+}
+
+TEST_CASE("a wrong number of a batch leaves the deviations of its specimens", "[diagnosis][numbers]") {
+    const supercircle::test::Folder folder;
+    std::string rows = "time_s,y_mm\n";
+    for (int k = 0; k < 40; ++k)
+        rows += std::to_string(0.01 * k) + "," + std::to_string(k % 7) + "\n";
+    folder.write("a.csv", rows);
+    folder.write("b.csv", rows);
+    const auto e = supercircle::experiment::load(
+        folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene",
+        "scene": "mass_on_spring", "scene_parameters": {"frequency": {"value": 2, "unc": 0.1}},
+        "specimens": [{"id": "a"}, {"id": "b"}], "batch": {"frequency": {"std_rel": {"scale": 0.05}}},
+        "channels": [{"observe": "position", "column": "y_mm"}],
+        "runs": [{"file": "a.csv", "specimen": "a", "parameters": {"release_y": {"value": 0.05, "unc": 0.01}}},
+                 {"file": "b.csv", "specimen": "b", "parameters": {"release_y": {"value": 0.05, "unc": 0.01}}}]})"));
+    INFO(e.error());
+    REQUIRE(e);
+    const ReplayModel model(*e);
+    ParameterPoint point;
+    for (const Scalar& s : model.nominal()) {
+        point.nominal.push_back(s.name == "frequency.b" ? 0.06 : s.value);
+        const bool ofRecording = s.name.find("_run") != std::string::npos || s.name == "reading_zero";
+        CHECK(s.doubtful == (!ofRecording && s.batch < 0));
+    }
+    for (std::size_t c = 0; c < model.candidates().size(); ++c)
+        if (model.candidates()[c].label == "stated_frequency")
+            point.terms.push_back({c, {3.0}});
+    REQUIRE(point.terms.size() == 1);
+    supercircle::replay::Parameters p;
+    REQUIRE(model.parametersAt(point, p) == "");
+    CHECK(supercircle::replay::get(p, *e, "frequency").value() == Approx(3.0).epsilon(1e-14));
+    CHECK(supercircle::replay::get(p, *e, "frequency.b").value() == Approx(3.06).epsilon(1e-14));
 }

@@ -4,6 +4,7 @@
 Started by ./prove.sh. A folder of state holds everything; the same command continues a run that was stopped.
 """
 import argparse
+import concurrent.futures
 import csv
 import hashlib
 import json
@@ -68,19 +69,29 @@ def open_state(folder, own):
         write(file, json.dumps(own, indent=1) + "\n")
 
 
-def make(folder, cases, seed):
-    """Recordings and answers of all cases. The answer comes last: where it exists, the case is complete."""
-    for i, case in enumerate(cases):
-        answer = folder / "answers" / f"{case['name']}.json"
-        if answer.exists():
-            continue
-        begun = time.monotonic()
-        files, truth = conceal.make_case(case, seed)
-        shutil.rmtree(folder / "cases" / case["name"], ignore_errors=True)
-        for name, text in files.items():
-            write(folder / "cases" / case["name"] / name, text)
-        write(answer, json.dumps(truth, indent=1) + "\n")
-        print(f"{case['name']} recorded ({i + 1} of {len(cases)}, {time.monotonic() - begun:.0f} s)", flush=True)
+def record(folder, case, seed):
+    """Recordings and answer of one case; the seconds it took. The answer comes last: where it exists, all is there."""
+    begun = time.monotonic()
+    files, truth = conceal.make_case(case, seed)
+    shutil.rmtree(folder / "cases" / case["name"], ignore_errors=True)
+    for name, text in files.items():
+        write(folder / "cases" / case["name"] / name, text)
+    write(folder / "answers" / f"{case['name']}.json", json.dumps(truth, indent=1) + "\n")
+    return time.monotonic() - begun
+
+
+def make(folder, cases, seed, jobs):
+    """Recordings and answers of all cases. They depend on the seed alone, not on what is recorded beside them."""
+    missing = [case for case in cases if not (folder / "answers" / f"{case['name']}.json").exists()]
+    with concurrent.futures.ProcessPoolExecutor(max(1, jobs)) as pool:
+        recorded = {pool.submit(record, folder, case, seed): case["name"] for case in missing}
+        try:
+            for i, done in enumerate(concurrent.futures.as_completed(recorded)):
+                print(f"{recorded[done]} recorded ({len(cases) - len(missing) + i + 1} of {len(cases)}, "
+                      f"{done.result():.0f} s)", flush=True)
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def hashes(folder, cases):
@@ -179,7 +190,7 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, help="a seed of your own; without it the seed follows from the program")
     parser.add_argument("--first", type=int, metavar="K", help="only the first K cases of the set")
     parser.add_argument("--state", metavar="FOLDER", help="recordings, diagnoses, scores (out/prove/SET_SEED)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="threads of a diagnosis (all cores)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings at a time, and threads of a diagnosis (all cores)")
     parser.add_argument("--top", default=str(pathlib.Path(__file__).resolve().parents[3]), help=argparse.SUPPRESS)
     parser.add_argument("--program", default="build/bin/supercircle", help=argparse.SUPPRESS)
     o = parser.parse_args(arguments)
@@ -194,7 +205,7 @@ def main(arguments=None):
         cases = whole[:o.first]
         open_state(folder, own)
         print(f"{len(cases)} of {len(whole)} cases of {own['set']}, seed {own['seed']}; state: {folder}", flush=True)
-        make(folder, cases, own["seed"])
+        make(folder, cases, own["seed"], o.jobs)
         write(folder / "hashes.sha256", hashes(folder, cases))
         if o.seed is None and o.first is None and not published(o.top, own, hashes(folder, cases)):
             return 0

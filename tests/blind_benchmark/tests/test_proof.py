@@ -85,17 +85,13 @@ def call(top, *words):
 
 @pytest.fixture
 def made(monkeypatch):
-    """Cases are made at once; the list of their names is returned."""
-    names = []
-
+    """Cases are made at once."""
     def make_case(case, seed):
-        names.append(case["name"])
         experiment = {"runs": [{"file": "run_1.csv"}]}
         return {"experiment.json": json.dumps(experiment), "run_1.csv": "time_s\n0\n1\n"}, \
             {**case, "simulator": "none", "sigma": 50.0, "noise_rms": [1.0],
              "effects": [{"label": f, "variant": "", "parameters": {}} for f in case["families"]]}
     monkeypatch.setattr(conceal, "make_case", make_case)
-    return names
 
 
 def test_a_dirty_tree_is_refused(tmp_path, capsys):
@@ -136,9 +132,10 @@ def test_a_run_that_was_stopped_continues_and_scores_come_last(tmp_path, capsys,
     assert call(top, "--first", "3", "--state", str(state)) == 130
     out = capsys.readouterr()
     assert "Claims" not in out.out and not (state / "results.csv").exists()
-    assert len(made) == 3
+    recorded = {p.name: p.stat().st_mtime_ns for p in (state / "answers").iterdir()}
+    assert len(recorded) == 3
     assert call(top, "--first", "3", "--state", str(state)) == 0
-    assert len(made) == 3  # nothing is recorded twice
+    assert recorded == {p.name: p.stat().st_mtime_ns for p in (state / "answers").iterdir()}  # none is made twice
     assert [d.split("/")[-2] for d in done] == ["case_001", "case_002", "case_002", "case_003"]
     out = capsys.readouterr().out
     assert "Claims" in out and "refused (3)" in out  # the program refused all of them: wrong, and said

@@ -40,13 +40,17 @@ def simulate(numbers, run, times, effects):
     tilt, stop = (value(effects, f"outside:{n}", p) for n, p in (("tilted_string", "tilt_rad"),
                                                                  ("soft_stop", "stiffness_N_m")))
     at, nodes, elements = {}, [], []
+    place, long, bend = (value(effects, "natural_curvature_defect", n, off) for n, off in
+                         (("arc_fraction", 0.5), ("length_m", 1.0), ("curvature_change_1_m", 0.0)))
+    s = np.linspace(0.0, length, 20 * 2 * ELEMENTS + 1)  # places along the strip without load
+    turns = bow * s + bend * np.clip(s - place * length + 0.5 * long, 0.0, long)
+    middle = 0.5 * (turns[1:] + turns[:-1])
+    line = np.array([np.concatenate(([0.0], np.cumsum(part) * s[1])) for part in (np.cos(middle), np.sin(middle))])
     for i in range(2 * ELEMENTS + 1):
         for j in range(2 * LAYERS + 1):
             if i % 2 and j % 2:
                 continue
-            s, z = length * i / (2 * ELEMENTS), thick * (j / (2 * LAYERS) - 0.5)
-            turn = bow * s
-            x, y = (math.sin(turn) / bow, (1 - math.cos(turn)) / bow) if abs(turn) > 1e-9 else (s, 0.0)
+            z, turn, (x, y) = thick * (j / (2 * LAYERS) - 0.5), turns[20 * i], line[:, 20 * i]
             at[i, j] = len(nodes) + 1
             nodes.append(f"{at[i, j]}, {x - z * math.sin(turn):.12g}, {y + z * math.cos(turn):.12g}, 0")
     for e in range(ELEMENTS):
@@ -59,27 +63,25 @@ def simulate(numbers, run, times, effects):
         deck += [f"*ELEMENT, TYPE=CPS8R, ELSET=E{e}", *(line for own, line in elements if own == e),
                  f"*MATERIAL, NAME=M{e}", *_material(numbers, (e + 0.5) / ELEMENTS, effects), "*DENSITY",
                  f"{numbers['density']}", f"*SOLID SECTION, ELSET=E{e}, MATERIAL=M{e}", f"{numbers['width']}"]
-    middle, end = at[2 * ELEMENTS, LAYERS], [at[2 * ELEMENTS, j] for j in (0, 2 * LAYERS)]
+    tip, end = at[2 * ELEMENTS, LAYERS], [at[2 * ELEMENTS, j] for j in (0, 2 * LAYERS)]
     root = ", ".join(str(at[0, j]) for j in range(2 * LAYERS + 1))
-    deck += ["*NSET, NSET=ROOT", root, "*NSET, NSET=END", f"{end[0]}, {middle}, {end[1]}", "*BOUNDARY", "ROOT, 1, 2"]
+    deck += ["*NSET, NSET=ROOT", root, "*NSET, NSET=END", f"{end[0]}, {tip}, {end[1]}", "*BOUNDARY", "ROOT, 1, 2"]
     if stop:  # a spring that begins to resist when the end has sunk by 0.15 of the length
-        deck += ["*ELEMENT, TYPE=SPRING1, ELSET=STOP", f"{len(elements) + 1}, {middle}",
+        deck += ["*ELEMENT, TYPE=SPRING1, ELSET=STOP", f"{len(elements) + 1}, {tip}",
                  "*SPRING, ELSET=STOP, NONLINEAR", "2", f"{-stop * 0.85 * length:.9g}, {-length:.9g}",
                  f"0., {-0.15 * length:.9g}", f"0., {length:.9g}"]
     weights = np.interp(times, *run.drive)
     for weight in weights:
         # CalculiX stops at residuals of 0.5 % by itself, which moves the end by 0.3 %.
-        deck += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-4, 1.", "*CONTROLS, PARAMETERS=FIELD", "1e-5, 1e-3", "*CLOAD", f"{middle}, 1, {weight * math.sin(tilt):.12g}",
-                 f"{middle}, 2, {-weight * math.cos(tilt):.12g}", "*DLOAD"] + \
+        deck += ["*STEP, NLGEOM, INC=1000", "*STATIC", "0.5, 1., 1e-4, 1.", "*CONTROLS, PARAMETERS=FIELD", "1e-5, 1e-3", "*CLOAD", f"{tip}, 1, {weight * math.sin(tilt):.12g}",
+                 f"{tip}, 2, {-weight * math.cos(tilt):.12g}", "*DLOAD"] + \
             [f"E{e}, GRAV, {GRAVITY}, 0., -1., 0." for e in range(ELEMENTS)] + \
             ["*NODE PRINT, NSET=END, FREQUENCY=10000", "U", "*END STEP"]
     moved = _run("\n".join(deck) + "\n", len(weights))
-    turn = bow * length
-    start = (-thick * math.sin(turn), thick * math.cos(turn))
+    start = (-thick * math.sin(turns[-1]), thick * math.cos(turns[-1]))
     up = moved[:, end[1]] - moved[:, end[0]] + start
     angle = np.arctan2(-up[:, 0], up[:, 1])
-    y = (1 - math.cos(turn)) / bow if abs(turn) > 1e-9 else 0.0
-    return [(moved[:, middle, 1] + y) * (1.0 + value(effects, "sensor_gain", "error")), angle]
+    return [(moved[:, tip, 1] + line[1, -1]) * (1.0 + value(effects, "sensor_gain", "error")), angle]
 
 
 def _material(numbers, place, effects):
@@ -93,9 +95,6 @@ def _material(numbers, place, effects):
     stress = value(effects, "plasticity", "yield_stress_Pa")
     if stress:
         return ["*ELASTIC", f"{modulus:.9g}, 0.", "*PLASTIC", f"{stress:.9g}, 0.", f"{stress + 0.3 * modulus:.9g}, 1."]
-    knee = value(effects, "nonlinear_elasticity", "stress_Pa")
-    if knee:  # Ramberg and Osgood: strain E = stress + 3/7 (stress / knee)^2 stress, the same on the way back
-        return ["*DEFORMATION PLASTICITY", f"{modulus:.9g}, 0., {knee:.9g}, 3., {3.0 / 7.0:.9g}"]
     return ["*ELASTIC", f"{modulus:.9g}, 0."]
 
 
@@ -140,13 +139,15 @@ def _plastic(draw):
     return lambda a: Effect("plasticity", {"yield_stress_Pa": 9e8 / (1.0 + 0.3 * a)}, "another law")
 
 
-def _knee(draw):
-    return lambda a: Effect("nonlinear_elasticity", {"stress_Pa": 3e9 / math.sqrt(a)}, "another law")
+def _bend(draw):
+    place, length, sign = draw.uniform(0.1, 0.3), draw.uniform(0.015, 0.04), draw.choice((-1.0, 1.0))
+    return lambda a: Effect("natural_curvature_defect", {"curvature_change_1_m": sign * a, "arc_fraction": place,
+                                                         "length_m": length})
 
 
 FAMILIES = [
     Family("plasticity", "plasticity", _plastic, 8.0),
-    Family("knee", "nonlinear_elasticity", _knee, 30.0),
+    Family("bend", "natural_curvature_defect", _bend, 30.0),
     Family("damage", "local_damage", _damage, 9.0),
     Family("gradient", "stiffness_gradient", _gradient, 16.0),
     Family("gain", "sensor_gain", of("sensor_gain", "error", 0.02, sign=True), 10.0),

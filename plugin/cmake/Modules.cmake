@@ -54,6 +54,30 @@ function(sc_program_sources target)
   endif()
 endfunction()
 
+# sc_batch(TARGET SOURCE...): sources of one folder are compiled several at a time, because most of a source's time goes into
+# the headers it shares with its neighbours. Names in anonymous namespaces differ within a folder therefore.
+# SUPERCIRCLE_BATCH files make one. Half as many cost the compiler 17 % more time, twice as many save 7 %, and an edit
+# compiles more (decision 0232). 1: each by itself, as the web build and packages are compiled.
+function(sc_batch target)
+  if(SUPERCIRCLE_BATCH LESS 2)
+    return()
+  endif()
+  foreach(source ${ARGN})
+    get_filename_component(folder ${source} DIRECTORY)
+    file(STRINGS ${source} directives REGEX "^using namespace ") # of one file would be in force in the next one
+    string(MAKE_C_IDENTIFIER "${folder}${directives}" key)
+    if(NOT DEFINED count_${key})
+      set(count_${key} 0)
+    endif()
+    math(EXPR batch "${count_${key}} / ${SUPERCIRCLE_BATCH}")
+    math(EXPR count_${key} "${count_${key}} + 1")
+    set_property(SOURCE ${source} PROPERTY UNITY_GROUP ${key}_${batch})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # g++ takes what an included source defines for a header's.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()
+
 # sc_module(NAME FOLDER [FLAT] [COLD] [LINKS ...] [PRIVATE ...]): library NAME of all sources under FOLDER, with FLAT of those in the
 # folder itself. LINKS are visible to whoever links it, PRIVATE libraries are not. COLD: its time is spent in the modules that it
 # calls, so it is optimised as programs are.
@@ -66,6 +90,7 @@ function(sc_module name folder)
   endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h ${PROJECT_SOURCE_DIR}/${folder}/*.hpp)
   add_library(${name} STATIC ${sources})
+  sc_batch(${name} ${sources})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_include_directories(${name} SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS})
   target_link_libraries(${name} PRIVATE sc_flags ${ARG_PRIVATE} PUBLIC ${ARG_LINKS})

@@ -56,7 +56,7 @@ Box boxOf(const Rod& rod) {
 }
 
 /// What hangs together, and what keeps it awake.
-struct Islands {
+struct SleepIslands {
     std::vector<std::size_t> parent; ///< of the rods, then of the bodies
     std::vector<const char*> busy;   ///< per root: why it cannot sleep, or null
 
@@ -86,7 +86,7 @@ bool moves(const Body& b) {
     return !b.state.velocity.isZero(0.0) || b.state.spin != 0.0;
 }
 
-void addBody(const World& world, int rod, BodyId id, Islands& islands) {
+void addBody(const World& world, int rod, BodyId id, SleepIslands& islands) {
     const int i = bodyIndex(world, id);
     if (rod < 0 || i < 0)
         return;
@@ -98,7 +98,7 @@ void addBody(const World& world, int rod, BodyId id, Islands& islands) {
 }
 
 /// What the host's own contacts and joints hang together.
-void addHostConstraints(const World& world, Islands& islands) {
+void addHostConstraints(const World& world, SleepIslands& islands) {
     const auto add = [&](BodyId idA, BodyId idB) {
         const int a = bodyIndex(world, idA), b = bodyIndex(world, idB);
         if (a < 0 || b < 0)
@@ -116,7 +116,7 @@ void addHostConstraints(const World& world, Islands& islands) {
         add(r.a, r.b);
 }
 
-void addLinks(const World& world, Islands& islands) {
+void addLinks(const World& world, SleepIslands& islands) {
     for (const Link& l : world.links) {
         const int a = rodIndex(world, l.rodA), b = l.end == LinkEnd::Rod ? rodIndex(world, l.rodB) : -1;
         if (a < 0)
@@ -131,8 +131,8 @@ void addLinks(const World& world, Islands& islands) {
     }
 }
 
-Islands findIslands(const World& world) {
-    Islands islands;
+SleepIslands findIslands(const World& world) {
+    SleepIslands islands;
     islands.parent.resize(world.rods.size() + world.bodies.size());
     std::iota(islands.parent.begin(), islands.parent.end(), std::size_t{0});
     islands.busy.assign(islands.parent.size(), nullptr);
@@ -163,7 +163,7 @@ Islands findIslands(const World& world) {
 
 /// Bodies that would wake a rod beside them (wakeByHost) as they tremble: of two neighbours that rest, each would wake
 /// the other one for ever.
-void addNeighbours(const World& world, double frame, Islands& islands) {
+void addNeighbours(const World& world, double frame, SleepIslands& islands) {
     std::vector<Box> boxes;
     for (const BodyOutline& o : world.outlines) {
         const int i = bodyIndex(world, o.body);
@@ -231,7 +231,7 @@ std::string putToSleep(World& world, std::size_t rod) {
         return {};
     if (world.range.size() != world.rods.size())
         return "its contacts are not known yet: call it after the next step";
-    Islands islands = findIslands(world);
+    SleepIslands islands = findIslands(world);
     const std::size_t root = islands.root(rod);
     if (islands.busy[root])
         return islands.busy[root];
@@ -266,7 +266,7 @@ void sleepAtRest(World& world, const Settings& settings, double frame) {
     const auto tired = [&](const Rod& r) { return !r.frozen() && r.stillTime >= settings.sleepAfter; };
     if (world.range.size() != world.rods.size() || std::none_of(world.rods.begin(), world.rods.end(), tired))
         return;
-    Islands islands = findIslands(world);
+    SleepIslands islands = findIslands(world);
     addNeighbours(world, frame, islands);
     for (std::size_t i = 0; i < world.rods.size(); ++i)
         if (!world.rods[i].frozen() && !tired(world.rods[i]))

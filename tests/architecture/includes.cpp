@@ -168,7 +168,7 @@ bool startsWith(std::string_view text, std::string_view prefix) {
     return text.substr(0, prefix.size()) == prefix;
 }
 
-bool endsWith(std::string_view text, std::string_view suffix) {
+bool hasSuffix(std::string_view text, std::string_view suffix) {
     return text.size() >= suffix.size() && text.substr(text.size() - suffix.size()) == suffix;
 }
 
@@ -216,7 +216,7 @@ bool isStandard(const Include& include) {
 
 /// Users reach the public headers as "supercircle/NAME.hpp"; those of the core end in .h.
 bool isPublicHeader(std::string_view path) {
-    return startsWith(path, "supercircle/") && endsWith(path, ".hpp") &&
+    return startsWith(path, "supercircle/") && hasSuffix(path, ".hpp") &&
            path.find('/', std::string_view("supercircle/").size()) == std::string_view::npos;
 }
 
@@ -231,7 +231,7 @@ const Rule* moduleOf(std::string_view file) {
 /// Headers in a sub-folder of a module are private to it; the public headers of `include/` are no such sub-folder.
 bool isPrivate(const Rule& module, std::string_view path) {
     const std::string_view rest = path.substr(module.folder.size());
-    return rest.find('/') != std::string_view::npos && !endsWith(module.folder, "include/") &&
+    return rest.find('/') != std::string_view::npos && !hasSuffix(module.folder, "include/") &&
            !startsWith(rest, "include/") && module.folder != "examples/";
 }
 
@@ -266,13 +266,13 @@ std::string checkLibrary(const Rule& rule, const std::string& file, const std::s
     if (startsWithOneOf(path, rule.libraries))
         return {};
     if (startsWithOneOf(path, rule.privateLibraries)) {
-        if (endsWith(file, ".cpp"))
+        if (hasSuffix(file, ".cpp"))
             return {};
         return "this library stays private: .cpp files only";
     }
     const bool library = path.find('/') != std::string::npos && !startsWith(path, "sys/");
     // cairo, muParser and imgui are the libraries whose headers look like those of the system.
-    if (!library && !startsWithOneOf(path, {"cairo", "muParser", "imgui"}) && rule.system && endsWith(path, ".h"))
+    if (!library && !startsWithOneOf(path, {"cairo", "muParser", "imgui"}) && rule.system && hasSuffix(path, ".h"))
         return {};
     return std::string(rule.folder) + " may not use this library";
 }
@@ -285,7 +285,7 @@ std::string check(const Rule& rule, const std::string& file, const Include& incl
     if (isProjectPath(include.path))
         return checkProjectPath(rule, include.path);
     if (include.quoted && include.path.find('/') == std::string::npos) {
-        if (endsWith(rule.folder, "/include/")) // public headers are also copied elsewhere as one folder
+        if (hasSuffix(rule.folder, "/include/")) // public headers are also copied elsewhere as one folder
             return {};
         return "includes are written from the project root";
     }

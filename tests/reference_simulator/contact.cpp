@@ -12,7 +12,7 @@ namespace supercircle::reference_simulator {
 
 namespace {
 
-Vec2 node(const Eigen::VectorXd& x, int i) {
+Vec2 nodeOf(const Eigen::VectorXd& x, int i) {
     return x.segment<2>(2 * i);
 }
 
@@ -42,7 +42,7 @@ Vec2 Contacts::pointOf(const Sample& s, const Eigen::VectorXd& x) const {
     Vec2 p = Vec2::Zero();
     const int first = rods_[size_t(s.rod)].base() + s.at.first;
     for (int k = 0; k < 4; ++k)
-        p += s.at.value[k] * node(x, first + k);
+        p += s.at.value[k] * nodeOf(x, first + k);
     return p;
 }
 
@@ -93,7 +93,7 @@ bool Contacts::findRodContact(const Sample& s, int other, const Eigen::VectorXd&
     double best = 1e30;
     int at = 0;
     for (int i = 0; i < rod.nodes(); ++i) {
-        const double d = (node(x, rod.base() + i) - p).squaredNorm();
+        const double d = (nodeOf(x, rod.base() + i) - p).squaredNorm();
         if (d < best) {
             best = d;
             at = i;
@@ -109,7 +109,7 @@ bool Contacts::findRodContact(const Sample& s, int other, const Eigen::VectorXd&
         w = weightsAt(rod.edges(), edge, arcPosition - edge);
         c = slope = bend = Vec2::Zero();
         for (int k = 0; k < 4; ++k) {
-            const Vec2 q = node(x, rod.base() + w.first + k);
+            const Vec2 q = nodeOf(x, rod.base() + w.first + k);
             c += w.value[k] * q;
             slope += w.slope[k] * q;
             bend += w.bend[k] * q;
@@ -169,7 +169,7 @@ double Contacts::slip(const ContactGeometry& t, const Eigen::VectorXd& x, const 
                       double oldCrosshead) const {
     Vec2 d = Vec2::Zero();
     for (int k = 0; k < t.count; ++k)
-        d += t.weight[k] * (node(x, t.node[k]) - node(old, t.node[k]));
+        d += t.weight[k] * (nodeOf(x, t.node[k]) - nodeOf(old, t.node[k]));
     if (t.onCrosshead)
         d.y() -= crosshead - oldCrosshead;
     return d.dot(t.tangent);

@@ -134,7 +134,7 @@ private:
     std::vector<int> carriers_;
 };
 
-std::vector<double> evenTimes(const Run& run, double rate) {
+std::vector<double> timesFromZero(const Run& run, double rate) {
     std::vector<double> times;
     for (std::size_t i = 0; rate > 0.0 && static_cast<double>(i) / rate < run.driveTime.back() - 1e-9; ++i)
         times.push_back(static_cast<double>(i) / rate);
@@ -144,7 +144,7 @@ std::vector<double> evenTimes(const Run& run, double rate) {
 void readOut(const Experiment& e, const Run& run, const Parameters& p, const effects::SensorModel& model,
              const Recorder& recorder, Simulated& out) {
     experiment::Readings& r = out.readings;
-    r.time = run.readings.time.empty() ? evenTimes(run, run.samplingRate) : run.readings.time;
+    r.time = run.readings.time.empty() ? timesFromZero(run, run.samplingRate) : run.readings.time;
     r.force = recorder.sampled(0, r.time);
     r.time.resize(r.force.size());
     out.trace.time = recorder.time;
@@ -165,7 +165,7 @@ void readOut(const Experiment& e, const Run& run, const Parameters& p, const eff
         r.further.push_back(recorder.sampled(recorder.further(k), r.time));
         readBy(effects::sensorOf(p.effects, e.scene->further[k].observe), r.time, p.furtherZero[k], r.further.back());
     }
-    out.markers.time = run.markers.time.empty() ? evenTimes(run, run.markersSamplingRate) : run.markers.time;
+    out.markers.time = run.markers.time.empty() ? timesFromZero(run, run.markersSamplingRate) : run.markers.time;
     for (std::size_t m = 0; m < e.markers.size(); ++m) {
         out.markers.x.push_back(recorder.sampled(1 + 2 * m, out.markers.time));
         out.markers.y.push_back(recorder.sampled(2 + 2 * m, out.markers.time));

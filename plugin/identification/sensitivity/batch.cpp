@@ -14,8 +14,6 @@ namespace {
 
 using replay::Simulated;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 void put(Eigen::VectorXd& to, std::size_t at, const std::vector<double>& from, std::size_t rows) {
     for (std::size_t k = 0; k < rows; ++k)
         to[static_cast<Eigen::Index>(at + k)] = k < from.size() ? from[k] : kNone;

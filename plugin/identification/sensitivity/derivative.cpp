@@ -16,7 +16,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFarthest = 1.0;           ///< natural s, jumps farther apart are different events
 constexpr double kRingDown = 0.3;           ///< natural s after a jump in which the specimen may oscillate
 constexpr double kLeastMarkerNoise = 1e-10; ///< natural m

@@ -12,7 +12,6 @@ using experiment::Readings;
 using experiment::Run;
 using replay::Landmark;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kContactShare = 0.02; ///< of the largest force
 
 std::size_t firstAfter(const std::vector<double>& time, double t) {

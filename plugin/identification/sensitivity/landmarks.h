@@ -8,10 +8,13 @@
 #include "plugin/identification/replay/compare.h"
 #include "plugin/recording/experiment/experiment.h"
 
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace supercircle::sensitivity {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN(); ///< of what could not be measured
 
 /// Vectors of equal length; NaN: could not be measured.
 struct Landmarks {

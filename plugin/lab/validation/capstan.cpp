@@ -24,8 +24,6 @@ namespace {
 
 using rod::Vec2;
 
-constexpr double kR = 0.0192; ///< m, of the centre line on the cylinder
-
 /// T2 / T1 of a rope of stiffness b = B / (T1 R^2) over the angle theta between the asymptotes.
 double ratio(double mu, double theta, double b) {
     if (b <= 0.0)

@@ -11,7 +11,7 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kR = 0.0192, kG = 9.81;
+constexpr double kG = 9.81;
 
 rod::Vec2 startOf(const record::Frame& f) {
     return {f.shells.front().start[0], f.shells.front().start[1]};

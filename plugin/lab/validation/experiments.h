@@ -5,6 +5,9 @@
 
 namespace supercircle::validation {
 
+constexpr double kR = 0.0192;  ///< m, radius of the shells and cylinders, of their centre lines
+constexpr double kThin = 2e-5; ///< m: a thickness of a thousandth of it, where comparisons are with rods without one
+
 void snapBoundary(const ValidationSettings& settings, ValidationExperiment& e);
 void shellOnCylinder(const ValidationSettings& settings, ValidationExperiment& e); ///< tips slide
 void shellOnCylinderStuck(const ValidationSettings& settings,

@@ -12,8 +12,6 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kR = 0.0192;
-
 double summary(const record::Recording& r, const std::string& key) {
     for (const auto& [name, value] : r.summary)
         if (name == key)

@@ -12,10 +12,9 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kR = 0.0192, kThin = 2e-5;
 constexpr double kClearance = 6e-4; ///< m, by which the cylinder is smaller in the pull-off test
 
-SimulationCase press(double phiBar, double mu, int elements) {
+SimulationCase gripped(double phiBar, double mu, int elements) {
     SimulationCase c{"shell_on_cylinder", thin(kThin)};
     c.parameters.insert(
         c.parameters.end(),
@@ -38,7 +37,7 @@ double pullStick(const ValidationSettings& settings, ValidationExperiment& e, do
                  int elements) {
     const auto onset = [&](double d) {
         return bisect(0.7 * wanted, 1.5 * wanted, 12, [&](double mu) {
-            SimulationCase c = press(phiBar, mu, elements);
+            SimulationCase c = gripped(phiBar, mu, elements);
             c.parameters.back().value = 0.04 * d;
             c.loadingOnly = true;
             c.frames = 1.0;
@@ -101,8 +100,8 @@ void neutral(const ValidationSettings& settings, ValidationExperiment& e) {
         if (phiBar < 0.6 || (settings.quick && (phiBar < 0.7 || mu < 0.1)))
             continue;
         const double seated = -2.0 * math::cos(M_PI * phiBar);
-        const MeasuredCurves run = measureCurves(settings, e, press(phiBar, mu, 31));
-        e.commands.push_back(press(phiBar, mu, 31).command());
+        const MeasuredCurves run = measureCurves(settings, e, gripped(phiBar, mu, 31));
+        e.commands.push_back(gripped(phiBar, mu, 31).command());
         const std::string name = text("Φ/2π = %.2f, μ = %.2f: indentation where the force vanishes, ", phiBar, mu);
         const double push = t.at(i, "D_f0_load"), pull = t.at(i, "D_f0_pull");
         e.checks.push_back(checkAgainst(name + "pushing", zeroOf(run.loading, 0.02 * seated, 0.97 * seated), push, 0.01,
@@ -122,13 +121,13 @@ void pullingIn(const ValidationSettings& settings, ValidationExperiment& e, Diag
     for (const double phiBar : {0.60, 0.65, 0.70}) { // deeper ones are of Type II at such friction
         const double wanted = math::tan(M_PI * (phiBar - 0.5));
         const double found = bisect(0.5 * wanted, 1.2 * wanted, 8, [&](double mu) {
-            SimulationCase c = press(phiBar, mu, 32);
+            SimulationCase c = gripped(phiBar, mu, 32);
             c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * math::cos(M_PI * phiBar)});
             c.loadingOnly = true;
             const ForceCurve load = measureCurves(settings, e, c).loading;
             return load.at(load.d.back() - 1e-4) > 0.0;
         });
-        SimulationCase c = press(phiBar, found, 32);
+        SimulationCase c = gripped(phiBar, found, 32);
         c.parameters.push_back({"travel_over_R", -0.985 * 2.0 * math::cos(M_PI * phiBar)});
         c.loadingOnly = true;
         c.frames = 1.0;

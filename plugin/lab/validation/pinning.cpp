@@ -14,7 +14,7 @@ namespace {
 // bends.
 constexpr double kImperfection = 0.002;
 
-SimulationCase press(double mu, double travel, int elements, double fixedDt = 0.0) {
+SimulationCase pinned(double mu, double travel, int elements, double fixedDt = 0.0) {
     SimulationCase c{"pinning", thin(5e-5), fixedDt};
     c.parameters.insert(c.parameters.end(), {{"mu", mu},
                                              {"travel_over_L", travel},
@@ -48,7 +48,7 @@ void pinning(const ValidationSettings& settings, ValidationExperiment& e) {
         if (settings.quick && i > 0)
             break;
         names.push_back(text("μ = %.1f", mu));
-        const SimulationCase c = press(mu, 1.05 * slip + 0.01, 31);
+        const SimulationCase c = pinned(mu, 1.05 * slip + 0.01, 31);
         e.commands.push_back(c.command());
         const ForceCurve load = measureCurves(settings, e, c).loading;
         const double found = slipAt(load);
@@ -63,7 +63,7 @@ void pinning(const ValidationSettings& settings, ValidationExperiment& e) {
                                         0.02, "goes as μ², so 1 % of μ; the imperfection takes about 0.2 % of μ"));
     }
     if (!settings.quick) {
-        const SimulationCase stuck = press(0.4, 0.325, 31);
+        const SimulationCase stuck = pinned(0.4, 0.325, 31);
         e.commands.push_back(stuck.command());
         const ForceCurve load = measureCurves(settings, e, stuck).loading;
         const bool never = std::isnan(slipAt(load));
@@ -82,13 +82,13 @@ void pinning(const ValidationSettings& settings, ValidationExperiment& e) {
                                           names, 0.02, [&](std::size_t i, double n) {
                                               const double mu = t.at(i, "mu"), slip = t.at(i, "eps_slip");
                                               const SimulationCase c =
-                                                  press(mu, 1.3 * slip + 0.01, static_cast<int>(n));
+                                                  pinned(mu, 1.3 * slip + 0.01, static_cast<int>(n));
                                               return slipAt(measureCurves(settings, e, c).loading) / slip - 1.0;
                                           }));
     e.diagrams.push_back(convergenceStudy("the same against a fixed time step, 31 arcs, 0.1 mm/s", "time step, ms",
                                           {5, 10, 20, 40}, names, 0.02, [&](std::size_t i, double ms) {
                                               const double mu = t.at(i, "mu"), slip = t.at(i, "eps_slip");
-                                              const SimulationCase c = press(mu, 1.3 * slip + 0.01, 31, 1e-3 * ms);
+                                              const SimulationCase c = pinned(mu, 1.3 * slip + 0.01, 31, 1e-3 * ms);
                                               return slipAt(measureCurves(settings, e, c).loading) / slip - 1.0;
                                           }));
 }

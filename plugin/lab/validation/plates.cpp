@@ -11,7 +11,6 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kR = 0.0192, kThin = 2e-5;
 const std::string kHeld = "validation/held_cap";
 
 SimulationCase squeeze(const std::string& scene, const Parameters& own, int elements, double travel,
@@ -113,7 +112,8 @@ void compare(const ValidationSettings& settings, ValidationExperiment& e, const 
     e.diagrams.push_back(diagram);
 }
 
-void convergence(const ValidationSettings& settings, ValidationExperiment& e, const std::vector<Specimen>& specimens) {
+void convergenceOfPlates(const ValidationSettings& settings, ValidationExperiment& e,
+                         const std::vector<Specimen>& specimens) {
     std::vector<std::string> names;
     std::vector<ForceCurve> wanted;
     for (const Specimen& s : specimens) {
@@ -187,7 +187,7 @@ void plates(const ValidationSettings& settings, ValidationExperiment& e) {
         "symmetric reference. At 0.90 and μ = 0.2 the comparison ends at 0.32 R, where the two tips meet "
         "under the shell: the solved ones pass through each other, and the simulated ones carry 5 % more from there "
         "on.");
-    convergence(settings, e, {caps()[1], caps()[2], side(), ring()});
+    convergenceOfPlates(settings, e, {caps()[1], caps()[2], side(), ring()});
 }
 
 } // namespace supercircle::validation

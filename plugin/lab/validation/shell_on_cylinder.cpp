@@ -10,9 +10,8 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kThin = 2e-5;
-
-SimulationCase press(const CurveParameters& p, double thickness, int elements, double speed, double fixedDt = 0.0) {
+SimulationCase onCylinder(const CurveParameters& p, double thickness, int elements, double speed,
+                          double fixedDt = 0.0) {
     SimulationCase c{"shell_on_cylinder", thin(thickness), fixedDt};
     c.parameters.insert(
         c.parameters.end(),
@@ -21,16 +20,17 @@ SimulationCase press(const CurveParameters& p, double thickness, int elements, d
 }
 
 /// On the way back friction reverses first: 2 % more.
-ComparedRange rangeOf(double phiBar) {
+ComparedRange rangeOnCylinder(double phiBar) {
     const double seated = -2.0 * math::cos(M_PI * phiBar);
     return {0.02 * seated, 0.96 * seated, 0.94 * seated};
 }
 
-BranchErrors errorsOf(const ValidationSettings& settings, const CurveParameters& p, const MeasuredCurves& measured) {
-    return branchErrors(measured, readSolvedBranches(settings, "T2", p), rangeOf(p.phiBar));
+BranchErrors errorsOnCylinder(const ValidationSettings& settings, const CurveParameters& p,
+                              const MeasuredCurves& measured) {
+    return branchErrors(measured, readSolvedBranches(settings, "T2", p), rangeOnCylinder(p.phiBar));
 }
 
-void convergence(const ValidationSettings& settings, ValidationExperiment& e) {
+void convergenceOnCylinder(const ValidationSettings& settings, ValidationExperiment& e) {
     const std::vector<CurveParameters> pairs{{0.55, 0.35}, {0.65, 0.10}, {0.75, 0.20}};
     std::vector<std::string> names;
     for (const CurveParameters& p : pairs)
@@ -38,20 +38,20 @@ void convergence(const ValidationSettings& settings, ValidationExperiment& e) {
     e.diagrams.push_back(
         convergenceStudy("pushing: largest difference over the peak", "arcs of the shell N", {7, 15, 31, 61}, names,
                          0.01, [&](std::size_t i, double n) {
-                             const SimulationCase c = press(pairs[i], kThin, static_cast<int>(n), 0.005);
-                             return errorsOf(settings, pairs[i], measureCurves(settings, e, c)).loading;
+                             const SimulationCase c = onCylinder(pairs[i], kThin, static_cast<int>(n), 0.005);
+                             return errorsOnCylinder(settings, pairs[i], measureCurves(settings, e, c)).loading;
                          }));
     e.diagrams.push_back(
         convergenceStudy("pushing: the same against a fixed time step, 31 arcs, 5 mm/s", "time step, ms",
                          {2, 5, 10, 20, 40}, names, 0.01, [&](std::size_t i, double ms) {
-                             const SimulationCase c = press(pairs[i], kThin, 31, 0.005, 1e-3 * ms);
-                             return errorsOf(settings, pairs[i], measureCurves(settings, e, c)).loading;
+                             const SimulationCase c = onCylinder(pairs[i], kThin, 31, 0.005, 1e-3 * ms);
+                             return errorsOnCylinder(settings, pairs[i], measureCurves(settings, e, c)).loading;
                          }));
     e.diagrams.push_back(
         convergenceStudy("pushing: the same against the thickness, 31 arcs", "thickness, µm (the paper's shell: 500)",
                          {20, 50, 100, 200, 500}, names, 0.01, [&](std::size_t i, double um) {
-                             const SimulationCase c = press(pairs[i], 1e-6 * um, 31, 0.005);
-                             return errorsOf(settings, pairs[i], measureCurves(settings, e, c)).loading;
+                             const SimulationCase c = onCylinder(pairs[i], 1e-6 * um, 31, 0.005);
+                             return errorsOnCylinder(settings, pairs[i], measureCurves(settings, e, c)).loading;
                          }));
 }
 
@@ -71,20 +71,21 @@ void shellOnCylinder(const ValidationSettings& settings, ValidationExperiment& e
                 pairs.push_back({phiBar, mu});
     std::vector<std::pair<CurveParameters, MeasuredCurves>> runs;
     for (const CurveParameters& p : pairs) {
-        const SimulationCase c = press(p, kThin, 31, 0.005);
+        const SimulationCase c = onCylinder(p, kThin, 31, 0.005);
         runs.emplace_back(p, measureCurves(settings, e, c));
-        addBranchChecks(e, p, errorsOf(settings, p, runs.back().second),
+        addBranchChecks(e, p, errorsOnCylinder(settings, p, runs.back().second),
                         "second order in 1/N, 0.14 % at 31 arcs; h/R = 0.1 %");
         e.commands.push_back(c.command());
     }
     for (const double phiBar : {0.75, 0.65, 0.55})
         if (phiBar > 0.7 || !settings.quick)
-            e.diagrams.push_back(branchDiagram(settings, "T2", phiBar, rangeOf(phiBar), runs));
+            e.diagrams.push_back(branchDiagram(settings, "T2", phiBar, rangeOnCylinder(phiBar), runs));
     if (settings.quick)
         return;
-    convergence(settings, e);
+    convergenceOnCylinder(settings, e);
     for (const CurveParameters p : {CurveParameters{0.65, 0.2}, CurveParameters{0.75, 0.2}}) {
-        const BranchErrors err = errorsOf(settings, p, measureCurves(settings, e, press(p, 5e-4, 31, 0.005)));
+        const BranchErrors err =
+            errorsOnCylinder(settings, p, measureCurves(settings, e, onCylinder(p, 5e-4, 31, 0.005)));
         e.checks.push_back({"the paper's shell (0.5 mm, h/R = 2.6 %), " + labelOf(p) + ": peak",
                             1.0 + err.peak,
                             1.0,

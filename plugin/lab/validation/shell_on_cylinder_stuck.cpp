@@ -11,9 +11,7 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kThin = 2e-5;
-
-SimulationCase press(double phiBar, double mu, int elements, double travel, double fixedDt = 0.0) {
+SimulationCase onStickingCylinder(double phiBar, double mu, int elements, double travel, double fixedDt = 0.0) {
     SimulationCase c{"shell_on_cylinder", thin(kThin), fixedDt};
     c.parameters.insert(
         c.parameters.end(),
@@ -74,7 +72,7 @@ void pinned(const ValidationSettings& settings, ValidationExperiment& e) {
             reference(settings, text("T2_typeII_pinned_Phi%.2f.csv", phiBar), "indent_over_R", "fR2_over_B", true));
         ends.push_back(endOfPinning(settings, phiBar));
         names.push_back(text("Φ/2π = %.2f, μ = %.1f", phiBar, mu));
-        const SimulationCase c = press(phiBar, mu, 31, ends[i] + 0.01);
+        const SimulationCase c = onStickingCylinder(phiBar, mu, 31, ends[i] + 0.01);
         e.commands.push_back(c.command());
         const ForceCurve load = measureCurves(settings, e, c).loading;
         diagram.lines.push_back(solid(wanted[i], names[i], static_cast<int>(i)));
@@ -88,13 +86,15 @@ void pinned(const ValidationSettings& settings, ValidationExperiment& e) {
         e.diagrams.push_back(convergenceStudy(
             "tips pinned: largest difference over the force at the end", "arcs of the shell N", {7, 15, 31, 61}, names,
             0.03, [&](std::size_t i, double n) {
-                const SimulationCase c = press(cases[i].phiBar, cases[i].mu, static_cast<int>(n), ends[i] + 0.01);
+                const SimulationCase c =
+                    onStickingCylinder(cases[i].phiBar, cases[i].mu, static_cast<int>(n), ends[i] + 0.01);
                 return differenceWhilePinned(measureCurves(settings, e, c).loading, wanted[i], ends[i]);
             }));
 }
 
 SimulationCase roll(const Rolling& r, int elements, double fixedDt = 0.0) {
-    return press(r.phiBar, r.mu, elements, std::min(r.indentation() + 0.05, kCrownTouches * seated(r.phiBar)), fixedDt);
+    return onStickingCylinder(r.phiBar, r.mu, elements,
+                              std::min(r.indentation() + 0.05, kCrownTouches * seated(r.phiBar)), fixedDt);
 }
 
 /// Force over height of the crown, where all opening angles share one curve.

@@ -17,10 +17,10 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kR = 0.0192, kThin = 2e-5, kStep = 1e-2;
+constexpr double kStep = 1e-2;
 constexpr double kIndentation = 0.005; // over R
 
-SimulationCase press(double phiBar, double mu, int elements, double indentation, double fixedDt) {
+SimulationCase snapped(double phiBar, double mu, int elements, double indentation, double fixedDt) {
     SimulationCase c{"shell_on_cylinder", thin(kThin)};
     c.parameters.insert(c.parameters.end(), {{"phi_bar", phiBar},
                                              {"mu", mu},
@@ -37,7 +37,7 @@ double onset(const ValidationSettings& settings, ValidationExperiment& e, double
              double indentation = kIndentation, double fixedDt = kStep) {
     const double theory = boundaryOnCylinder(phiBar);
     return bisect(0.7 * theory, 1.5 * theory, 12, [&](double mu) {
-        const SimulationCase c = press(phiBar, mu, elements, indentation, fixedDt);
+        const SimulationCase c = snapped(phiBar, mu, elements, indentation, fixedDt);
         return tipSlip(simulate(settings, e, c).recording, Support::Cylinder) <= 0.002 * indentation * kR;
     });
 }
@@ -60,7 +60,7 @@ double byForce(const ValidationSettings& settings, ValidationExperiment& e, doub
     });
 }
 
-void convergence(const ValidationSettings& settings, ValidationExperiment& e, const std::vector<double>& angles) {
+void convergenceOfSnap(const ValidationSettings& settings, ValidationExperiment& e, const std::vector<double>& angles) {
     Diagram elements{"error of μ* (d → 0) against the number of arcs",
                      "arcs of the shell N",
                      "| error of μ* |, %",
@@ -117,7 +117,7 @@ void snapBoundary(const ValidationSettings& settings, ValidationExperiment& e) {
         "d = 0.005 R, found by bisection to 0.02 %. Theory: eq. (1) to (4) of the supplement. The criterion is biased "
         "by −0.001 in μ (slip over d goes as (μ* − μ)²/d); “d → 0” removes the bias with a second indentation, d/4. "
         "The boundary by force (peak above 1.5 B/R²) also counts shells that slip a little, stick again and coil up.";
-    e.commands.push_back(press(0.83, 0.48, 31, kIndentation, kStep).command());
+    e.commands.push_back(snapped(0.83, 0.48, 31, kIndentation, kStep).command());
     const std::vector<double> angles = settings.quick ? std::vector<double>{0.75, 0.83}
                                                       : std::vector<double>{0.65, 0.70, 0.75, 0.80, 0.83, 0.85, 0.90};
     Diagram map{"boundary between Type I (below) and Type II (above)",
@@ -194,7 +194,7 @@ void snapBoundary(const ValidationSettings& settings, ValidationExperiment& e) {
         "beside the centre line). Time steps shorter than the vibration periods of the shell resolve its vibrations: "
         "for μ > 1 the tip may then lift off and land elsewhere, as in Painlevé's problem (2.5 ms at 0.65).");
     if (!settings.quick)
-        convergence(settings, e, {0.65, 0.75, 0.90});
+        convergenceOfSnap(settings, e, {0.65, 0.75, 0.90});
 }
 
 } // namespace supercircle::validation

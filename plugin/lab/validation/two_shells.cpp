@@ -15,30 +15,29 @@ namespace supercircle::validation {
 
 namespace {
 
-constexpr double kThin = 2e-5;
-
-SimulationCase press(const CurveParameters& p, double thickness, int elements, double fixedDt = 0.0) {
+SimulationCase onShell(const CurveParameters& p, double thickness, int elements, double fixedDt = 0.0) {
     SimulationCase c{"two_shells", thin(thickness), fixedDt};
     c.parameters.insert(c.parameters.end(),
                         {{"phi_bar", p.phiBar}, {"mu", p.mu}, {"elements", static_cast<double>(elements)}});
     return c;
 }
 
-ComparedRange rangeOf(double phiBar) {
+ComparedRange rangeOnShell(double phiBar) {
     const double seated = -2.0 * math::cos(M_PI * phiBar);
     return {0.02 * seated, 0.92 * seated, 0.86 * seated};
 }
 
-BranchErrors errorsOf(const ValidationSettings& settings, const CurveParameters& p, const MeasuredCurves& measured) {
-    return branchErrors(measured, readSolvedBranches(settings, "T3", p), rangeOf(p.phiBar));
+BranchErrors errorsOnShell(const ValidationSettings& settings, const CurveParameters& p,
+                           const MeasuredCurves& measured) {
+    return branchErrors(measured, readSolvedBranches(settings, "T3", p), rangeOnShell(p.phiBar));
 }
 
 /// Curves at vanishing thickness.
 MeasuredCurves pressed(const ValidationSettings& settings, ValidationExperiment& e, const CurveParameters& p,
                        int elements, double fixedDt = 0.0) {
-    const MeasuredCurves thin = measureCurves(settings, e, press(p, kThin, elements, fixedDt));
-    const MeasuredCurves twice = measureCurves(settings, e, press(p, 2.0 * kThin, elements, fixedDt));
-    const auto [from, to, back] = rangeOf(p.phiBar);
+    const MeasuredCurves thin = measureCurves(settings, e, onShell(p, kThin, elements, fixedDt));
+    const MeasuredCurves twice = measureCurves(settings, e, onShell(p, 2.0 * kThin, elements, fixedDt));
+    const auto [from, to, back] = rangeOnShell(p.phiBar);
     MeasuredCurves out;
     out.loading = atZeroThickness(thin.loading, twice.loading, from, to);
     out.unloading = atZeroThickness(thin.unloading, twice.unloading, from, back);
@@ -46,7 +45,7 @@ MeasuredCurves pressed(const ValidationSettings& settings, ValidationExperiment&
 }
 
 SimulationCase push(const CurveParameters& p, int elements, double travel, double thickness = kThin) {
-    SimulationCase c = press(p, thickness, elements);
+    SimulationCase c = onShell(p, thickness, elements);
     c.parameters.push_back({"travel_over_R", travel});
     c.loadingOnly = true;
     return c;
@@ -108,7 +107,7 @@ void stuck(const ValidationSettings& settings, ValidationExperiment& e) {
         "and 7 % at μ = 0.4. The comparison therefore clamps a shallower lower shell of Φ/2π = 0.6.");
 }
 
-void convergence(const ValidationSettings& settings, ValidationExperiment& e) {
+void convergenceOnShell(const ValidationSettings& settings, ValidationExperiment& e) {
     const std::vector<CurveParameters> pairs{{0.65, 0.35}, {0.75, 0.0}, {0.75, 0.35}};
     std::vector<std::string> names;
     for (const CurveParameters& p : pairs)
@@ -116,18 +115,18 @@ void convergence(const ValidationSettings& settings, ValidationExperiment& e) {
     e.diagrams.push_back(convergenceStudy(
         "pushing: largest difference over the peak, h → 0", "arcs per shell N", {7, 15, 31}, names, 0.01,
         [&](std::size_t i, double n) {
-            return errorsOf(settings, pairs[i], pressed(settings, e, pairs[i], static_cast<int>(n))).loading;
+            return errorsOnShell(settings, pairs[i], pressed(settings, e, pairs[i], static_cast<int>(n))).loading;
         }));
-    e.diagrams.push_back(
-        convergenceStudy("pushing: the same against a fixed time step, 31 arcs, 5 mm/s", "time step, ms", {2, 3, 4},
-                         names, 0.01, [&](std::size_t i, double ms) {
-                             return errorsOf(settings, pairs[i], pressed(settings, e, pairs[i], 31, 1e-3 * ms)).loading;
-                         }));
+    e.diagrams.push_back(convergenceStudy(
+        "pushing: the same against a fixed time step, 31 arcs, 5 mm/s", "time step, ms", {2, 3, 4}, names, 0.01,
+        [&](std::size_t i, double ms) {
+            return errorsOnShell(settings, pairs[i], pressed(settings, e, pairs[i], 31, 1e-3 * ms)).loading;
+        }));
     e.diagrams.push_back(
         convergenceStudy("pushing: the same against the thickness, 31 arcs", "thickness, µm (the paper's shell: 500)",
                          {20, 40, 100, 200, 500}, names, 0.01, [&](std::size_t i, double um) {
-                             const SimulationCase c = press(pairs[i], 1e-6 * um, 31);
-                             return errorsOf(settings, pairs[i], measureCurves(settings, e, c)).loading;
+                             const SimulationCase c = onShell(pairs[i], 1e-6 * um, 31);
+                             return errorsOnShell(settings, pairs[i], measureCurves(settings, e, c)).loading;
                          }));
 }
 
@@ -142,19 +141,19 @@ void twoShells(const ValidationSettings& settings, ValidationExperiment& e) {
     std::vector<std::pair<CurveParameters, MeasuredCurves>> runs;
     for (const CurveParameters p : {CurveParameters{0.75, 0.35}, {0.75, 0.0}, {0.65, 0.35}, {0.65, 0.0}}) {
         runs.emplace_back(p, pressed(settings, e, p, 31));
-        addBranchChecks(e, p, errorsOf(settings, p, runs.back().second),
+        addBranchChecks(e, p, errorsOnShell(settings, p, runs.back().second),
                         "two shells of 31 arcs; a term quadratic in the thickness remains, 0.3 %");
-        e.commands.push_back(press(p, kThin, 31).command());
-        e.commands.push_back(press(p, 2.0 * kThin, 31).command());
+        e.commands.push_back(onShell(p, kThin, 31).command());
+        e.commands.push_back(onShell(p, 2.0 * kThin, 31).command());
         if (settings.quick)
             break;
     }
-    e.diagrams.push_back(branchDiagram(settings, "T3", 0.75, rangeOf(0.75), runs));
+    e.diagrams.push_back(branchDiagram(settings, "T3", 0.75, rangeOnShell(0.75), runs));
     if (settings.quick)
         return;
-    e.diagrams.push_back(branchDiagram(settings, "T3", 0.65, rangeOf(0.65), runs));
+    e.diagrams.push_back(branchDiagram(settings, "T3", 0.65, rangeOnShell(0.65), runs));
     stuck(settings, e);
-    convergence(settings, e);
+    convergenceOnShell(settings, e);
 }
 
 } // namespace supercircle::validation

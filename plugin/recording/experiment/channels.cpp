@@ -13,7 +13,6 @@ namespace {
 
 using Quantity = scene::Observation::Quantity;
 
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 constexpr double kStandardGravity = 9.80665; // m/s^2
 
 bool endsWith(const std::string& text, const std::string& end) {

@@ -13,7 +13,6 @@ namespace supercircle::experiment {
 
 namespace {
 
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 const Channel kForce{"force", "N", "force_N", 1.0, 1.0};
 const Channel kAngle{"angle", "deg", "angle_deg", kDegrees, 1.0};
 const Channel kAngleRad{"angle", "rad", "angle_rad", 1.0, 1.0};

@@ -6,6 +6,8 @@
 
 namespace supercircle::experiment {
 
+constexpr double kDegrees = 180.0 / 3.14159265358979323846; ///< in a radian
+
 /// `{"NAME": value, "NAME": {"value": v, "unc": half-width}}` at `key`; empty if absent.
 std::vector<SceneParameter> readSceneParameters(Context& context, Object& object, const std::string& key);
 

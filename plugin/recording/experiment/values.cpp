@@ -10,7 +10,7 @@ namespace supercircle::experiment {
 
 namespace {
 
-std::string shown(double v) {
+std::string inDigits(double v) {
     char buffer[32];
     std::snprintf(buffer, sizeof buffer, "%.10g", v);
     return buffer;
@@ -19,9 +19,9 @@ std::string shown(double v) {
 std::string wanted(const Limits& limits) {
     std::string text = "a number";
     if (std::isfinite(limits.min))
-        text += (limits.above ? " > " : " >= ") + shown(limits.min);
+        text += (limits.above ? " > " : " >= ") + inDigits(limits.min);
     if (std::isfinite(limits.max))
-        text += std::string(std::isfinite(limits.min) ? " and" : "") + " <= " + shown(limits.max);
+        text += std::string(std::isfinite(limits.min) ? " and" : "") + " <= " + inDigits(limits.max);
     return text;
 }
 
@@ -38,7 +38,7 @@ double numberAt(Context& context, const Node& node, const std::string& pointer, 
     }
     const double v = node.number();
     if (!std::isfinite(v) || (limits.above ? v <= limits.min : v < limits.min) || v > limits.max) {
-        context.error(node, pointer, shown(v) + " is out of range", wanted(limits));
+        context.error(node, pointer, inDigits(v) + " is out of range", wanted(limits));
         return 0.0;
     }
     return v;

@@ -95,6 +95,10 @@ struct Table {
     std::vector<Remark> remarks;
 };
 
+inline void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
+    t.remarks.push_back({kind, line, what});
+}
+
 /// Names for --columns that a table of so many columns could have.
 std::string exampleOfColumns(std::size_t columns);
 

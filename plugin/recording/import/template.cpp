@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const Json kNull = nullptr;
+const Json kNothing = nullptr;
 
 Json clampOf(const std::string& protocol, bool lower) {
     if (protocol == "arch_between_plates")
@@ -35,24 +35,24 @@ Json clampOf(const std::string& protocol, bool lower) {
     return {{"where", strip ? "first_end" : "middle"},
             {"clamped_length_m", 0.0},
             {"carried_by", lower ? "ground" : "machine_head"},
-            {"initial_point_m", {0.0, lower ? Json(0.0) : kNull}},
+            {"initial_point_m", {0.0, lower ? Json(0.0) : kNothing}},
             {"initial_tangent_angle_rad", strip ? -M_PI / 2.0 : M_PI}};
 }
 
 Json specimenOf(const std::string& id, const std::string& protocol, bool lower) {
     return {{"id", id},
-            {"arc_length_m", kNull},
-            {"natural_curvature_1_m", kNull},
+            {"arc_length_m", kNothing},
+            {"natural_curvature_1_m", kNothing},
             {"natural_curvature_rel_unc", 0.01},
-            {"thickness_m", kNull},
+            {"thickness_m", kNothing},
             {"thickness_unc_m", 1e-5},
-            {"width_m", kNull},
-            {"young_modulus_Pa", kNull},
-            {"bending_modulus_N_m2", kNull},
+            {"width_m", kNothing},
+            {"young_modulus_Pa", kNothing},
+            {"bending_modulus_N_m2", kNothing},
             {"bending_modulus_rel_unc", 0.1},
-            {"linear_mass_kg_m", kNull},
+            {"linear_mass_kg_m", kNothing},
             {"linear_mass_rel_unc", 0.05},
-            {"clamp", protocol.empty() ? kNull : clampOf(protocol, lower)}};
+            {"clamp", protocol.empty() ? kNothing : clampOf(protocol, lower)}};
 }
 
 Json plane(double ny, const Json& y, const char* carrier) {
@@ -61,14 +61,15 @@ Json plane(double ny, const Json& y, const char* carrier) {
 
 Json obstaclesOf(const std::string& protocol) {
     if (protocol.empty())
-        return kNull;
+        return kNothing;
     Json all = Json::array();
     if (protocol == "shell_on_rigid_cylinder")
-        all.push_back({{"type", "cylinder"}, {"center_m", {0.0, 0.0}}, {"radius_m", kNull}, {"carried_by", "ground"}});
+        all.push_back(
+            {{"type", "cylinder"}, {"center_m", {0.0, 0.0}}, {"radius_m", kNothing}, {"carried_by", "ground"}});
     else if (protocol != "two_shells" && protocol != "tethered_strip")
         all.push_back(plane(1.0, 0.0, "ground"));
     if (protocol == "arch_between_plates" || protocol == "ring_between_plates")
-        all.push_back(plane(-1.0, kNull, "machine_head"));
+        all.push_back(plane(-1.0, kNothing, "machine_head"));
     return all;
 }
 
@@ -122,20 +123,20 @@ Json frameOf(const Imported& all, const std::string& protocol) {
         window = std::min(window, run.forceZeroWindow);
     }
     for (const std::string& name : all.markerNames)
-        markers.push_back({{"name", name}, {"specimen", "A"}, {"arc_fraction", kNull}});
+        markers.push_back({{"name", name}, {"specimen", "A"}, {"arc_fraction", kNothing}});
     const bool two = protocol == "two_shells";
     specimens.push_back(specimenOf("A", protocol, two));
     if (two)
         specimens.push_back(specimenOf("B", protocol, false));
     Json json = {
         {"schema", "rod-recordings/1"},
-        {"protocol", protocol.empty() ? kNull : Json(protocol)},
+        {"protocol", protocol.empty() ? kNothing : Json(protocol)},
         {"description", "(describe the set-up)"},
         {"gravity_m_s2", {0.0, -9.81}},
         {"uncertainty_meaning", "half-width of a uniform interval"},
         {"specimens", specimens},
         {"obstacles", obstaclesOf(protocol)},
-        {"friction", {{"coefficient", kNull}, {"coefficient_unc", 0.1}}},
+        {"friction", {{"coefficient", kNothing}, {"coefficient_unc", 0.1}}},
         {"initial_gap_unc_m", 1e-4},
         {"runs", runs},
         {"sensors",
@@ -150,7 +151,7 @@ Json frameOf(const Imported& all, const std::string& protocol) {
         json["sensors"]["force_unit_confirmed"] = true;
     for (int end = 0; end < 2 && protocol == "tethered_strip"; ++end)
         json["strings"].push_back(
-            {{"arc_fraction", end}, {"to_point_m", {0.0, kNull}}, {"carried_by", "machine_head"}});
+            {{"arc_fraction", end}, {"to_point_m", {0.0, kNothing}}, {"carried_by", "machine_head"}});
     return json;
 }
 

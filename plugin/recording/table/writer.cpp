@@ -18,51 +18,51 @@ namespace supercircle::record {
 namespace {
 
 /// Appends JSON; knows where commas go.
-class Json {
+class JsonText {
 public:
     std::string text;
-    Json& open(char bracket) {
+    JsonText& open(char bracket) {
         separate();
         text += bracket;
         first = true;
         return *this;
     }
-    Json& close(char bracket) {
+    JsonText& close(char bracket) {
         text += bracket;
         first = false;
         return *this;
     }
-    Json& key(std::string_view name) {
+    JsonText& key(std::string_view name) {
         separate();
         appendJsonString(text, name);
         text += ':';
         first = true;
         return *this;
     }
-    Json& string(std::string_view value) {
+    JsonText& string(std::string_view value) {
         separate();
         appendJsonString(text, value);
         return *this;
     }
-    Json& integer(std::int64_t value) {
+    JsonText& integer(std::int64_t value) {
         separate();
         text += std::to_string(value);
         return *this;
     }
-    Json& boolean(bool value) {
+    JsonText& boolean(bool value) {
         separate();
         text += value ? "true" : "false";
         return *this;
     }
     /// Exact.
-    Json& number(double value) {
+    JsonText& number(double value) {
         separate();
         appendJsonNumber(text, value);
         return *this;
     }
     /// Rounded to float.
     template <typename T>
-    Json& rounded(T value) {
+    JsonText& rounded(T value) {
         separate();
         const auto small = static_cast<float>(value);
         if (std::isfinite(small))
@@ -72,7 +72,7 @@ public:
         return *this;
     }
     template <typename Container>
-    Json& roundedList(const Container& values) {
+    JsonText& roundedList(const Container& values) {
         open('[');
         for (const auto value : values)
             rounded(value);
@@ -152,7 +152,7 @@ std::vector<std::string> phaseNames(const Recording& recording) {
     return names;
 }
 
-void writeShells(Json& json, const Recording& recording) {
+void writeShells(JsonText& json, const Recording& recording) {
     json.key("shells").open('[');
     for (const ShellInfo& shell : recording.shells) {
         json.open('{').key("name").string(shell.name).key("length_m").number(shell.length);
@@ -168,7 +168,7 @@ void writeShells(Json& json, const Recording& recording) {
     json.close(']');
 }
 
-void writeOutlines(Json& json, const Recording& recording) {
+void writeOutlines(JsonText& json, const Recording& recording) {
     json.key("outlines").open('[');
     for (const OutlineInfo& outline : recording.outlines) {
         const char* kind = outline.kind == OutlineInfo::Kind::Polyline  ? "polyline"
@@ -183,7 +183,7 @@ void writeOutlines(Json& json, const Recording& recording) {
     json.close(']');
 }
 
-void writeFrame(Json& json, const Frame& frame, std::int64_t phase) {
+void writeFrame(JsonText& json, const Frame& frame, std::int64_t phase) {
     json.open('{').key("t").number(frame.time).key("d").number(frame.displacement).key("f").number(frame.force);
     json.key("phase").integer(phase).key("shells").open('[');
     for (const ShellPose& pose : frame.shells) {
@@ -201,7 +201,7 @@ void writeFrame(Json& json, const Frame& frame, std::int64_t phase) {
     json.close(']').close('}');
 }
 
-void writeEvents(Json& json, const Recording& recording) {
+void writeEvents(JsonText& json, const Recording& recording) {
     json.key("events").open('[');
     for (const Event& event : recording.events) {
         json.open('{').key("t").number(event.time).key("d").number(event.displacement).key("f").number(event.force);
@@ -237,7 +237,7 @@ Result<std::string> summaryJson(const Recording& recording) {
 }
 
 std::string trajectoryJson(const Recording& recording) {
-    Json json;
+    JsonText json;
     json.open('{').key("schema").string("supercircle-trajectory/1");
     json.key("scene").string(recording.scene).key("about").string(recording.about);
     json.key("R_m").number(recording.R).key("B_N_m2").number(recording.B).key("key_frames").open('[');

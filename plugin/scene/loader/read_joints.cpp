@@ -14,8 +14,8 @@ using step::JointKind;
 using step::RigidWorldDefinition;
 
 /// The words of "type". A rope is a distance joint of Box2D 2.4 with a largest length only.
-const std::vector<std::string> kinds = {"revolute", "prismatic", "distance", "weld",  "wheel", "friction",
-                                        "motor",    "pulley",    "gear",     "mouse", "rope"};
+const std::vector<std::string> kJointKinds = {"revolute", "prismatic", "distance", "weld",  "wheel", "friction",
+                                              "motor",    "pulley",    "gear",     "mouse", "rope"};
 
 void readMotor(ObjectReader& reader, JointDefinition& j) {
     j.enableLimit = reader.boolean("enableLimit", false);
@@ -175,9 +175,10 @@ JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t 
     JointDefinition j;
     j.name = reader.string("name", "");
     reader.require("type", "a kind of joint");
-    const std::string& kind = kinds[reader.choice("type", kinds, 0)];
+    const std::string& kind = kJointKinds[reader.choice("type", kJointKinds, 0)];
     const bool rope = kind == "rope";
-    const auto index = std::find(kinds.begin(), kinds.end(), rope ? "distance" : kind) - kinds.begin();
+    const auto index =
+        std::find(kJointKinds.begin(), kJointKinds.end(), rope ? "distance" : kind) - kJointKinds.begin();
     j.kind = static_cast<JointKind>(index);
     readBodies(context, reader, bodies, j);
     readPlace(context, reader, j);

@@ -8,7 +8,7 @@ namespace supercircle::contact {
 
 namespace {
 
-struct Evaluation {
+struct OutlineEvaluation {
     const RodSide& rod;
     const OutlineSide& outline;
     double reach;
@@ -17,7 +17,7 @@ struct Evaluation {
     CandidateReducer& reducer;
 };
 
-void sampleOnOutline(const Evaluation& e, const Sample& sample) {
+void sampleOnOutline(const OutlineEvaluation& e, const Sample& sample) {
     OutlineHit hit;
     const OutlineShape& shape = *e.outline.shape;
     if (!closestOnOutline(shape, sample.p, e.depth, inwardOf(sample), hit))
@@ -34,11 +34,11 @@ void sampleOnOutline(const Evaluation& e, const Sample& sample) {
     e.reducer.add(c, sample.s, c.pointB.x(), c.pointB.y(), hit.face < 0);
 }
 
-bool atSample(const Evaluation& e, const SubArc& arc, double s) {
+bool atSample(const OutlineEvaluation& e, const SubArc& arc, double s) {
     return s <= e.tolerance || arc.length - s <= e.tolerance || std::abs(arc.s0 + s - e.rod.shape->midS) <= e.tolerance;
 }
 
-void subArcOnOutline(const Evaluation& e, const SubArc& arc) {
+void subArcOnOutline(const OutlineEvaluation& e, const SubArc& arc) {
     const OutlineShape& shape = *e.outline.shape;
     const auto faces = shape.kind == OutlineKind::Circle ? 1 : static_cast<std::int32_t>(shape.faces.size());
     for (std::int32_t face = 0; face < faces; ++face) {
@@ -53,7 +53,7 @@ void subArcOnOutline(const Evaluation& e, const SubArc& arc) {
     }
 }
 
-void cornerOnSubArc(const Evaluation& e, const Corner& corner, const SubArc& arc) {
+void cornerOnSubArc(const OutlineEvaluation& e, const Corner& corner, const SubArc& arc) {
     const double halves = e.rod.shape->halfThickness + e.outline.shape->radius;
     Foot foot;
     if (!footInSubArc(arc, corner.p, halves + e.reach, foot))
@@ -170,7 +170,7 @@ void evaluateOutlinePair(const RodSide& rod, const OutlineSide& outline, const O
     const OutlineShape& shape = *outline.shape;
     SC_ASSERT(rod.shape->samples.size() <= 0xffff && rod.shape->subArcs.size() <= 0xffff, "checks index in 16 bits");
     reducer.begin(kSameShare * half);
-    const Evaluation e{rod, outline, reach, outlineDepth(half, shape), kSameShare * half, reducer};
+    const OutlineEvaluation e{rod, outline, reach, outlineDepth(half, shape), kSameShare * half, reducer};
     for (const std::uint16_t i : checks.samples)
         sampleOnOutline(e, rod.shape->samples[i]);
     for (const std::uint16_t i : checks.subArcs)

@@ -9,7 +9,7 @@ namespace supercircle::contact {
 
 namespace {
 
-constexpr double kQuarter = 1.5707963267948966;
+constexpr double kRightAngle = 1.5707963267948966;
 
 struct AngleRange {
     double low, high;
@@ -32,7 +32,7 @@ void includeTurn(const RodShape& rod, double from, double to, double offset, Ang
     }
 }
 
-struct Evaluation {
+struct RodEvaluation {
     const RodSide& a;
     const RodSide& b;
     double distance; ///< of centre lines, up to which candidates count, m
@@ -50,7 +50,7 @@ double canonicalS(const RodShape& rod, double s, double tolerance) {
     return rod.closed && rod.endS - s <= tolerance ? s - rod.length : s;
 }
 
-void addSample(const Evaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
+void addSample(const RodEvaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
                bool left, bool shared) {
     c.a = {sampled.rod, sample.element, sample.s};
     c.id = makeId(sampled.key, other.key, Feature::SampleRod, samplePayload(sample.index, left, 0));
@@ -62,7 +62,7 @@ void addSample(const Evaluation& e, const RodSide& sampled, const RodSide& other
 }
 
 /// Two tips make one candidate, with the smaller key (or the earlier tip) as side A.
-void addTipTip(const Evaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
+void addTipTip(const RodEvaluation& e, const RodSide& sampled, const RodSide& other, Candidate& c, const Sample& sample,
                const EndHit& hit, const Vec2& end) {
     const bool swap = sampled.rod == other.rod ? c.b.s < sample.s : sampled.rod != e.a.rod;
     const RodPoint first{sampled.rod, sample.element, sample.s};
@@ -85,7 +85,7 @@ void addTipTip(const Evaluation& e, const RodSide& sampled, const RodSide& other
 }
 
 /// A sample beyond the end of the other rod, against its round cap.
-void sampleOnEnd(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Sample& sample,
+void sampleOnEnd(const RodEvaluation& e, const RodSide& sampled, const RodSide& other, const Sample& sample,
                  bool atStart) {
     const RodShape& shape = *other.shape;
     const SubArc& arc = atStart ? shape.subArcs.front() : shape.subArcs.back();
@@ -103,7 +103,7 @@ void sampleOnEnd(const Evaluation& e, const RodSide& sampled, const RodSide& oth
     addSample(e, sampled, other, c, sample, hit.left, true);
 }
 
-void sampleOnSubArc(const Evaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
+void sampleOnSubArc(const RodEvaluation& e, const RodSide& sampled, const RodSide& other, const Check& check) {
     SC_ASSERT_EXPENSIVE(check.first < sampled.shape->samples.size() && check.second < other.shape->subArcs.size(),
                         "a sample and a sub-arc of the two rods");
     const Sample& sample = sampled.shape->samples[check.first];
@@ -135,7 +135,7 @@ void sampleOnSubArc(const Evaluation& e, const RodSide& sampled, const RodSide& 
     addSample(e, sampled, other, c, sample, left, atSample(shape, arc, foot.s, e.tolerance));
 }
 
-void interiorMinimum(const Evaluation& e, const Check& check, double depth) {
+void interiorMinimum(const RodEvaluation& e, const Check& check, double depth) {
     const SubArc& a = e.a.shape->subArcs[check.first];
     const SubArc& b = e.b.shape->subArcs[check.second];
     ArcMinimum m;
@@ -165,7 +165,7 @@ bool differentParts(const RodShape& rod, double s1, double s2) {
         return false;
     AngleRange between{1e300, -1e300};
     includeTurn(rod, from, to, 0.0, between);
-    if (between.high - between.low <= kQuarter)
+    if (between.high - between.low <= kRightAngle)
         return false;
     if (!rod.closed)
         return true;
@@ -175,7 +175,7 @@ bool differentParts(const RodShape& rod, double s1, double s2) {
     const SubArc& last = rod.subArcs.back();
     includeTurn(rod, to, last.s0 + last.length, 0.0, around);
     includeTurn(rod, rod.subArcs.front().s0, from, rod.turn.back(), around);
-    return around.high - around.low > kQuarter;
+    return around.high - around.low > kRightAngle;
 }
 
 void setRodFrame(Candidate& c, const Vec2& centreA, double halfA, const Vec2& centreB, double halfB, const Vec2& normal,
@@ -212,7 +212,7 @@ void evaluateRodPair(const RodSide& a, const RodSide& b, const RodPairChecks& ch
     if (distance < 0.0)
         return;
     reducer.begin(kSameShare * halves);
-    const Evaluation e{a, b, distance, kSameShare * halves, reducer};
+    const RodEvaluation e{a, b, distance, kSameShare * halves, reducer};
     for (const Check& check : checks.samplesOfA)
         sampleOnSubArc(e, a, b, check);
     for (const Check& check : checks.samplesOfB)

@@ -11,7 +11,7 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr double kTolerance = 1e-3; ///< of the sum of all attractions
+constexpr double kOfAttractions = 1e-3; ///< of the sum of all attractions
 
 bool anyAttraction(const World& world) {
     return std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.adhesion.on(); });
@@ -321,7 +321,7 @@ double adhesionError(const World& world, const std::vector<RodWork>& rods, doubl
     for (std::size_t m = 0; m < still.size(); ++m)
         wrong += still[m] ? 0.0 : stage.pulls[m].force;
     // Linearised from both sides, a pair of rods is right only in the mean of its sides; the rest is second order.
-    return wrong / (kTolerance * sum + floor);
+    return wrong / (kOfAttractions * sum + floor);
 }
 
 AdhesionEnergies recordAdhesion(World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage) {

@@ -10,7 +10,7 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr double kTolerance = 1e-3; ///< of a friction factor
+constexpr double kOfFriction = 1e-3; ///< of a friction factor
 
 bool anySurface(const World& world) {
     return std::any_of(world.rods.begin(), world.rods.end(), [](const Rod& r) { return r.effects.surface.on(); });
@@ -101,11 +101,11 @@ bool refineFriction(const World& world, const std::vector<RodWork>& rods, double
         ContactWork& k = stage.work[i];
         const double slip = slipOf(rods, dt, stage, i), wanted = factorAt(world, c, slip, dt);
         stage.slips[c.id] = k.slip = slip;
-        if (std::abs(wanted - k.friction) <= kShare * kTolerance * k.friction)
+        if (std::abs(wanted - k.friction) <= kShare * kOfFriction * k.friction)
             continue;
         bool bracketed = false;
         const double next = nextFactor(k.bounds, k.friction, wanted, bracketed);
-        if (bracketed && k.bounds.high - k.bounds.low <= 0.1 * kShare * kTolerance * k.friction)
+        if (bracketed && k.bounds.high - k.bounds.low <= 0.1 * kShare * kOfFriction * k.friction)
             continue; // as near as it comes
         stage.problem.contacts[i].mu *= next / k.friction;
         k.friction = next;
@@ -146,7 +146,7 @@ double frictionError(const World& world, const std::vector<RodWork>& rods, doubl
     for (std::size_t i = 0; i < stage.candidates.size(); ++i)
         if (stage.r[static_cast<Eigen::Index>(2 * i)] > 0.0) {
             const double now = factorAt(world, stage.candidates[i], slipOf(rods, dt, stage, i), dt);
-            worst = std::max(worst, std::abs(now - stage.work[i].friction) / (kTolerance * stage.work[i].friction));
+            worst = std::max(worst, std::abs(now - stage.work[i].friction) / (kOfFriction * stage.work[i].friction));
         }
     return worst;
 }

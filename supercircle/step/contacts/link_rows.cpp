@@ -36,8 +36,6 @@ double lengthAfter(const Link& l, double dt) {
     return l.length + std::clamp(l.goal - l.length, -l.reel * dt, l.reel * dt);
 }
 
-using Ends = LinkEnds;
-
 /// Index of the rod with this key by a sorted table, -1 if there is none.
 int rodOf(const std::vector<std::pair<std::uint32_t, int>>& table, std::uint32_t key) {
     const auto it = std::lower_bound(table.begin(), table.end(), std::pair<std::uint32_t, int>{key, -1});
@@ -46,7 +44,7 @@ int rodOf(const std::vector<std::pair<std::uint32_t, int>>& table, std::uint32_t
 
 /// The other end of a link; that of a rod needs its solution for the end of the step.
 void placeOther(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
-                const Link& l, const Ends& e, When when, double dt, Places& p) {
+                const Link& l, const LinkEnds& e, When when, double dt, Places& p) {
     const double ahead = when == When::Start ? 0.0 : when == When::Middle ? 0.5 * dt : dt;
     if (e.rodB >= 0) {
         const auto ib = static_cast<std::size_t>(e.rodB);
@@ -65,7 +63,7 @@ void placeOther(const World& world, const std::vector<RodWork>& rods, const std:
 }
 
 Places placesOf(const World& world, const std::vector<RodWork>& rods, const std::vector<BodyMotion>& motion,
-                const Link& l, const Ends& e, When when, double dt) {
+                const Link& l, const LinkEnds& e, When when, double dt) {
     Places p;
     const auto ia = static_cast<std::size_t>(e.rodA);
     const rod::MaterialPoint atA = rod::locate(world.rods[ia].model, l.sA);
@@ -77,12 +75,12 @@ Places placesOf(const World& world, const std::vector<RodWork>& rods, const std:
 }
 
 /// Length over which the angle of a weld counts: a turn by 1 rad is as bad as so many metres.
-double lever(const World& world, const Ends& e) {
+double lever(const World& world, const LinkEnds& e) {
     return world.rods[static_cast<std::size_t>(e.rodA)].model.longestElement();
 }
 
 /// How fast a link closes what it finds open.
-GapClosing closingOf(const std::vector<RodWork>& rods, const Ends& e) {
+GapClosing closingOf(const std::vector<RodWork>& rods, const LinkEnds& e) {
     const GapClosing& a = rods[static_cast<std::size_t>(e.rodA)].closing;
     if (e.rodB < 0)
         return a;
@@ -147,7 +145,7 @@ Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
 /// Velocity of the other end as far as it is given, in the row's own directions: exact over the step for places that
 /// follow a path or belong to a body that is not solved for.
 Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
-                   const LinkRow& row, const Ends& e, double dt) {
+                   const LinkRow& row, const LinkEnds& e, double dt) {
     Vec2 given = Vec2::Zero();
     if (e.body >= 0 && world.bodies[static_cast<std::size_t>(e.body)].dynamic) {
         const Body& body = world.bodies[static_cast<std::size_t>(e.body)];
@@ -168,7 +166,7 @@ Vec2 givenVelocity(const World& world, const std::vector<RodWork>& rods, const C
 
 /// Relative velocity of the last solution in the row.
 Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const LinkRow& row,
-                  const Ends& e) {
+                  const LinkEnds& e) {
     Vec2 u = -row.surface;
     const auto add = [&](int rod, const auto& J, double sign) {
         if (rod >= 0 && !world.rods[static_cast<std::size_t>(rod)].frozen())
@@ -188,7 +186,7 @@ Vec2 lastVelocity(const World& world, const std::vector<RodWork>& rods, const Co
 }
 
 void addRow(const World& world, const std::vector<RodWork>& rods, double dt, bool again, int index, LinkRowKind kind,
-            const Ends& e, ContactStage& stage) {
+            const LinkEnds& e, ContactStage& stage) {
     const Link& l = world.links[static_cast<std::size_t>(index)];
     const Places middle = placesOf(world, rods, stage.host.motion, l, e, When::Middle, dt);
     SC_ASSERT(e.counts && e.rodA >= 0, "a link whose ends are there");
@@ -227,7 +225,7 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
 
 /// A tether far from being taut needs no row.
 bool mayPull(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
-             const Ends& e, double dt, bool again) {
+             const LinkEnds& e, double dt, bool again) {
     const Places start = placesOf(world, rods, stage.host.motion, l, e, When::Start, dt);
     double way = world.rods[static_cast<std::size_t>(e.rodA)].speed + l.reel;
     if (e.rodB >= 0) {
@@ -249,7 +247,7 @@ bool mayPull(const World& world, const std::vector<RodWork>& rods, const Contact
 } // namespace
 
 void findLinkEnds(const World& world, ContactStage& stage) {
-    stage.links.ends.assign(world.links.size(), Ends{});
+    stage.links.ends.assign(world.links.size(), LinkEnds{});
     stage.scratch.rodOfKey.clear();
     if (world.links.empty())
         return;
@@ -258,7 +256,7 @@ void findLinkEnds(const World& world, ContactStage& stage) {
     std::sort(stage.scratch.rodOfKey.begin(), stage.scratch.rodOfKey.end());
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        Ends& e = stage.links.ends[i];
+        LinkEnds& e = stage.links.ends[i];
         e.rodA = rodOf(stage.scratch.rodOfKey, l.rodA);
         e.rodB = l.end == LinkEnd::Rod ? rodOf(stage.scratch.rodOfKey, l.rodB) : -1;
         e.body = l.end == LinkEnd::Body ? bodyIndex(world, l.body) : -1;
@@ -275,7 +273,7 @@ void prepareLinks(const World& world, const std::vector<RodWork>& rods, double d
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
         const int index = static_cast<int>(i);
-        const Ends& e = stage.links.ends[i];
+        const LinkEnds& e = stage.links.ends[i];
         if (!e.counts)
             continue;
         if (l.kind == LinkKind::Tether) {
@@ -333,7 +331,7 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
 namespace {
 
 /// Error of a link at one moment, m.
-double errorOf(const World& world, const Link& l, const Ends& e, const Places& p, double length) {
+double errorOf(const World& world, const Link& l, const LinkEnds& e, const Places& p, double length) {
     const double apart = (p.a - p.b).norm();
     if (l.kind == LinkKind::Tether)
         return std::max(0.0, apart - length);
@@ -342,7 +340,7 @@ double errorOf(const World& world, const Link& l, const Ends& e, const Places& p
 
 /// Error of a link at the end of the step beyond what the step leaves open of the gap it found, m.
 double errorAtEnd(const World& world, const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l,
-                  const Ends& e, double dt) {
+                  const LinkEnds& e, double dt) {
     const double error =
         errorOf(world, l, e, placesOf(world, rods, stage.host.motion, l, e, When::End, dt), lengthAfter(l, dt));
     const GapClosing closing = closingOf(rods, e);
@@ -360,7 +358,7 @@ double linkError(const World& world, const std::vector<RodWork>& rods, double dt
     double worst = 0.0;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        const Ends& e = stage.links.ends[i];
+        const LinkEnds& e = stage.links.ends[i];
         if (!e.counts)
             continue;
         const double size = l.kind == LinkKind::Tether ? l.length : lever(world, e);
@@ -385,7 +383,7 @@ LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double d
     LinkGaps gaps;
     for (std::size_t i = 0; i < world.links.size(); ++i) {
         const Link& l = world.links[i];
-        const Ends& e = stage.links.ends[i];
+        const LinkEnds& e = stage.links.ends[i];
         if (!e.counts)
             continue;
         const Places start = placesOf(world, rods, stage.host.motion, l, e, When::Start, dt);

@@ -13,7 +13,6 @@ namespace supercircle::math {
 namespace {
 
 constexpr double kSqrtHalf = 0.70710678118654752440;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// n log 2 + log(1 + f) + small for 1 + f from sqrt(1/2) to sqrt(2) and |small| far below f or n.
 double logarithm(double n, double f, double small) {

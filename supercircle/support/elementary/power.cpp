@@ -15,8 +15,6 @@ namespace supercircle::math {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 bool isInteger(double y) {
     return std::floor(y) == y; // true for infinities
 }

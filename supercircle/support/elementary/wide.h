@@ -3,7 +3,11 @@
 // Knuth, The Art of Computer Programming 2, section 4.2.2. Products: T. J. Dekker, Numer. Math. 18 (1971) 224; they
 // need factors below 2^996 and products above 2^-960.
 
+#include <limits>
+
 namespace supercircle::math {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Wide {
     double hi = 0.0;

@@ -13,7 +13,7 @@ namespace supercircle::blind_benchmark {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Answer = nlohmann::ordered_json;
 
 /// Names in `supercircle effects` of the laws, which are numbers in the answers.
 const std::map<std::string, std::vector<std::string>>& laws() {
@@ -23,7 +23,7 @@ const std::map<std::string, std::vector<std::string>>& laws() {
     return known;
 }
 
-std::string number(double x) {
+std::string inAllDigits(double x) {
     char text[40];
     std::snprintf(text, sizeof text, "%.17g", x);
     return text;
@@ -52,7 +52,7 @@ std::vector<std::string> truthFlags(const std::string& answerFile) {
     std::ifstream in(answerFile);
     std::vector<std::string> flags;
     try {
-        const Json answer = reference_simulator::parseOrderedJson(in);
+        const Answer answer = reference_simulator::parseOrderedJson(in);
         const std::pair<const char*, const char*> names[] = {{"bending_modulus", "bending_modulus_N_m2"},
                                                              {"natural_curvature", "natural_curvature_1_m"},
                                                              {"friction", "friction"},
@@ -62,9 +62,9 @@ std::vector<std::string> truthFlags(const std::string& answerFile) {
         for (const auto& [flag, key] : names) {
             flags.emplace_back("--param");
             flags.push_back(std::string(flag) + "=" +
-                            number(answer.at("true_parameters").at(key).template get<double>()));
+                            inAllDigits(answer.at("true_parameters").at(key).template get<double>()));
         }
-        for (const Json& effect : answer.at("effects")) {
+        for (const Answer& effect : answer.at("effects")) {
             const std::string label = effect.at("label");
             if (effect.at("parameters").contains("branch_over_B")) { // the parameters tell the law
                 flags.emplace_back("--effect");
@@ -74,7 +74,7 @@ std::vector<std::string> truthFlags(const std::string& answerFile) {
                 const double v = value;
                 flags.emplace_back("--effect");
                 flags.push_back(label + ":" + name + "=" +
-                                (name == "law" ? laws().at(label).at(static_cast<std::size_t>(v)) : number(v)));
+                                (name == "law" ? laws().at(label).at(static_cast<std::size_t>(v)) : inAllDigits(v)));
             }
         }
     } catch (const std::exception& e) {

@@ -9,8 +9,9 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-struct Level : GameWorld {
-    Level(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .gravity = 0.0F, .density = 100.0F}) {}
+struct CarryLevel : GameWorld {
+    CarryLevel(Quality quality, double scale)
+        : GameWorld(quality, {.scale = scale, .gravity = 0.0F, .density = 100.0F}) {}
     b2Body* box(b2BodyType type, float x, float y) { return GameWorld::box(x, y, 0.2F, 0.1F, type); }
     void join(ShellHandle shell, double fraction, const b2Body* to, JointKind kind) {
         GameWorld::join(shell, fraction, *to, kind).or_fail();
@@ -50,7 +51,7 @@ TEST_CASE("a shell joined to a crate goes along when the crate is moved", "[box2
     if (type == b2_staticBody && (way < 1.0 || moving))
         return; // shorter ways of bodies without mass push and are no jumps
     CAPTURE(static_cast<int>(quality), scale, static_cast<int>(type), way, turn, moving);
-    Level level(quality, scale);
+    CarryLevel level(quality, scale);
     b2Body* crate = level.box(type, 0.0F, 0.0F);
     const ShellHandle shell = level.strip(0.0, 0.12), second = level.strip(0.6, 0.12);
     level.join(shell, 0.5, crate, JointKind::Weld);
@@ -86,7 +87,7 @@ TEST_CASE("a shell joined to a crate goes along when the crate is moved", "[box2
 
 TEST_CASE("a shell that something else holds too does not go along", "[box2d][carry]") {
     const int tie = GENERATE(0, 1, 2); // a hold, another body, a hold on its neighbour
-    Level level(Quality::Game, 1.0);
+    CarryLevel level(Quality::Game, 1.0);
     b2Body *crate = level.box(b2_dynamicBody, 0.0F, 0.0F), *other = level.box(b2_staticBody, 0.0F, 0.5F);
     const ShellHandle shell = level.strip(0.0, 0.12), second = level.strip(0.6, 0.12);
     level.join(shell, 0.5, crate, JointKind::Pin);
@@ -106,7 +107,7 @@ TEST_CASE("a shell that something else holds too does not go along", "[box2d][ca
 
 TEST_CASE("a joint made after the body was moved carries nobody", "[box2d][carry]") {
     const b2BodyType type = GENERATE(b2_dynamicBody, b2_staticBody);
-    Level level(Quality::Game, 1.0);
+    CarryLevel level(Quality::Game, 1.0);
     b2Body* crate = level.box(type, 0.0F, 0.0F);
     const ShellHandle shell = level.strip(3.0, 0.12), guest = level.strip(0.0, 0.3);
     level.frame();
@@ -119,7 +120,7 @@ TEST_CASE("a joint made after the body was moved carries nobody", "[box2d][carry
 }
 
 TEST_CASE("a carried shell is not drawn on its way", "[box2d][carry]") {
-    Level level(Quality::Game, 1.0);
+    CarryLevel level(Quality::Game, 1.0);
     b2Body* crate = level.box(b2_dynamicBody, 0.0F, 0.0F);
     const ShellHandle shell = level.strip(0.0, 0.12);
     level.join(shell, 0.5, crate, JointKind::Weld); // before the first frame
@@ -133,7 +134,7 @@ TEST_CASE("a sleeping shell goes along with its body", "[box2d][carry]") {
     const JointKind kind = GENERATE(JointKind::Pin, JointKind::Weld, JointKind::Tether);
     const double way = GENERATE(2.0, 40.0);
     CAPTURE(static_cast<int>(kind), way);
-    Level level(Quality::Game, 1.0);
+    CarryLevel level(Quality::Game, 1.0);
     b2Body* block = level.box(b2_staticBody, 0.0F, 0.0F);
     const ShellHandle shell = level.strip(0.0, 0.12);
     level.join(shell, 0.5, block, kind);

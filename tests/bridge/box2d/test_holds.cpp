@@ -10,8 +10,8 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-struct Level : GameWorld {
-    Level(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .density = 30.0F}) {}
+struct HoldLevel : GameWorld {
+    HoldLevel(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .density = 30.0F}) {}
     b2Body* made(const b2Shape& shape, float x = 0.0F, float y = 0.0F) {
         return fixture(body(b2_staticBody, x, y), shape)->GetBody();
     }
@@ -54,7 +54,7 @@ struct Level : GameWorld {
 };
 
 /// The target of the hold moved by `way` within the coming frame, and at rest then.
-void put(Level& level, HoldHandle hold, const Point& way) {
+void put(HoldLevel& level, HoldHandle hold, const Point& way) {
     TargetDef to = level.shells.target(hold).value();
     to.position.x += way.x;
     to.position.y += way.y;
@@ -71,7 +71,7 @@ TEST_CASE("a held point driven into a wall stops at first contact", "[box2d][hol
     const int pace = GENERATE(0, 1, 2); // in one frame; in sixty; fast and on
     const HoldKind kind = GENERATE(HoldKind::Clamp, HoldKind::Pin);
     CAPTURE(static_cast<int>(quality), scale, wall, pace, static_cast<int>(kind));
-    Level level(quality, scale);
+    HoldLevel level(quality, scale);
     b2Body* body = wall == 0   ? level.box(0.0F, -0.5F, 20.0F, 0.5F)
                    : wall == 1 ? level.edge(-20.0F, 20.0F, 0.0F)
                    : wall == 2 ? level.chain(-20.0F, 20.0F, 0.0F)
@@ -113,7 +113,7 @@ TEST_CASE("a held point and a wall that come to each other meet once and say so"
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
     const bool holdMoves = GENERATE(true, false);
     CAPTURE(static_cast<int>(quality), holdMoves);
-    Level level(quality, 1.0);
+    HoldLevel level(quality, 1.0);
     b2Body* wall = level.box(0.0F, -0.5F, 2.0F, 0.5F, b2_kinematicBody); // its face is y = 0
     const ShellHandle shell = level.strip(0.0, 0.2);
     const HoldHandle hold = level.shells.create_clamp(shell, 0.5).value();
@@ -146,7 +146,7 @@ TEST_CASE("a held point slides along what it touches and leaves it", "[box2d][ho
     const int wall = GENERATE(0, 1, 2);
     const double press = GENERATE(0.0, -0.005); // thicknesses in a frame
     CAPTURE(static_cast<int>(quality), wall, press);
-    Level level(quality, 1.0);
+    HoldLevel level(quality, 1.0);
     wall == 0   ? level.box(0.0F, -0.5F, 20.0F, 0.5F)
     : wall == 1 ? level.edge(-20.0F, 20.0F, 0.0F)
                 : level.chain(-20.0F, 20.0F, 0.0F);
@@ -168,7 +168,7 @@ TEST_CASE("a held point slides along what it touches and leaves it", "[box2d][ho
 TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]") {
     const int why = GENERATE(0, 1, 2, 3); // mask, veto, tether (it does touch), from below
     CAPTURE(why);
-    Level level(Quality::Game, 1.0);
+    HoldLevel level(Quality::Game, 1.0);
     b2Body* wall = why == 3 ? level.chain(-20.0F, 20.0F, 0.0F) : level.box(0.0F, 0.0F, 20.0F, 0.05F);
     const double side = why == 3 ? -1.0 : 1.0;
     const ShellHandle shell = level.strip(0.0, 0.51 * side); // so that no frame ends with it right on the edge
@@ -193,7 +193,7 @@ TEST_CASE("a held point passes what its shell does not touch", "[box2d][holds]")
 TEST_CASE("a held point of a shell half way through a one-sided edge goes either way", "[box2d][holds]") {
     const double turn = GENERATE(0.1, -0.1); // where the held middle turns round, in front of the edge or behind it, m
     CAPTURE(turn);
-    Level level(Quality::Game, 1.0);
+    HoldLevel level(Quality::Game, 1.0);
     level.chain(-20.0F, 20.0F, 0.0F);
     const ShellHandle shell = level.strip(0.03, -0.8);
     level.shells.teleport(shell, {0.03, -0.8}, 0.5 * M_PI).or_fail(); // upright
@@ -241,7 +241,7 @@ struct HungRing {
         const Point a = level.shells.target(first).value().position, b = level.shells.target(last).value().position;
         return std::hypot(b.x - a.x, b.y - a.y);
     }
-    Level level;
+    HoldLevel level;
     ShellHandle ring;
     HoldHandle first, last;
     double arc = 0.0, stiffness = 0.0, largest = 0.0;

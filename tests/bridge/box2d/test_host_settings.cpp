@@ -14,8 +14,8 @@ namespace {
 
 const float kNan = std::numeric_limits<float>::quiet_NaN();
 
-struct Game : GameWorld {
-    explicit Game(double scale = 1.0, b2Vec2 origin = {0.0F, 0.0F})
+struct SettingsGame : GameWorld {
+    explicit SettingsGame(double scale = 1.0, b2Vec2 origin = {0.0F, 0.0F})
         : GameWorld(Quality::Laboratory, {.scale = scale, .density = 10.0F, .friction = 0.5F}), at(origin) {}
 
     b2Body* box(float x, float y, float halfX, float halfY, b2BodyType type) {
@@ -98,7 +98,7 @@ struct Saved {
 } // namespace
 
 TEST_CASE("a body is found by its id until it is destroyed", "[bridge]") {
-    Game g;
+    SettingsGame g;
     b2Body* floor = g.floor();
     b2Body* crate = g.box(0.0F, 3.0F, 0.2F, 0.2F, b2_dynamicBody);
     const std::uint64_t id = g.port.body_id(*crate);
@@ -120,7 +120,7 @@ TEST_CASE("a body is found by its id until it is destroyed", "[bridge]") {
 
 TEST_CASE("set_surface_speed carries a shell as SetTangentSpeed carries a crate", "[bridge]") {
     for (const Quality quality : {Quality::Laboratory, Quality::Game}) {
-        Game g;
+        SettingsGame g;
         REQUIRE(g.shells.set_quality(quality));
         Belt listener;
         listener.belt = g.floor();
@@ -137,7 +137,7 @@ TEST_CASE("set_surface_speed carries a shell as SetTangentSpeed carries a crate"
 }
 
 TEST_CASE("a pair filter sees the fixture, and shells still obey b2Filter", "[bridge]") {
-    Game g;
+    SettingsGame g;
     b2Body* level = g.floor();
     b2PolygonShape shelf;
     shelf.SetAsBox(2.0F, 0.05F, {0.0F, 2.0F}, 0.0F); // in the floor's frame
@@ -164,10 +164,10 @@ TEST_CASE("a pair filter sees the fixture, and shells still obey b2Filter", "[br
 
 TEST_CASE("the origin of shells and world shifts in one call", "[bridge]") {
     for (const double scale : {1.0, 52.1}) {
-        Game shifted(scale, {32.0F, 16.0F}), plain(scale, {0.0F, 0.0F});
+        SettingsGame shifted(scale, {32.0F, 16.0F}), plain(scale, {0.0F, 0.0F});
         std::vector<b2Body*> crates;
         std::vector<ShellHandle> domes;
-        for (Game* g : {&shifted, &plain}) {
+        for (SettingsGame* g : {&shifted, &plain}) {
             const double x = static_cast<double>(g->at.x), y = static_cast<double>(g->at.y);
             g->floor();
             domes.push_back(g->dome(-1.0));
@@ -210,7 +210,7 @@ TEST_CASE("the origin is not shifted inside the host's own step", "[bridge]") {
         int refused = 0;
         void BeginContact(b2Contact*) override { refused += shells->shift_origin({1.0, 0.0}) ? 0 : 1; }
     } listener;
-    Game g;
+    SettingsGame g;
     g.floor();
     g.box(0.0F, 0.21F, 0.2F, 0.2F, b2_dynamicBody);
     const ShellHandle shell = g.dome(3.0);
@@ -224,10 +224,10 @@ TEST_CASE("the origin is not shifted inside the host's own step", "[bridge]") {
 TEST_CASE("numbers that are not finite in a Box2D body are refused for that frame", "[bridge]") {
     for (int what = 0; what < 5; ++what) {
         CAPTURE(what);
-        Game spoilt, plain;
+        SettingsGame spoilt, plain;
         std::vector<b2Body*> loose;
         std::vector<ShellHandle> shells;
-        for (Game* g : {&spoilt, &plain}) {
+        for (SettingsGame* g : {&spoilt, &plain}) {
             g->floor();
             for (int i = 0; i < 6; ++i) // so that Box2D's tree has depth
                 g->box(2.0F + static_cast<float>(i), 0.25F, 0.25F, 0.25F, b2_staticBody);
@@ -283,7 +283,7 @@ TEST_CASE("numbers that are not finite in a Box2D body are refused for that fram
 }
 
 TEST_CASE("a crate on a shell survives a frame with bad numbers", "[bridge]") {
-    Game g;
+    SettingsGame g;
     g.floor();
     const ShellHandle shell = g.dome(0.0);
     b2Body* crate = g.box(0.0F, 0.85F, 0.3F, 0.2F, b2_dynamicBody);
@@ -302,7 +302,7 @@ TEST_CASE("a crate on a shell survives a frame with bad numbers", "[bridge]") {
 }
 
 TEST_CASE("restitution of a fixture is refused aloud, once a world", "[bridge]") {
-    Game g;
+    SettingsGame g;
     g.floor(1.0F);
     g.dome(0.0, 0.5);
     int notes = 0;
@@ -313,7 +313,7 @@ TEST_CASE("restitution of a fixture is refused aloud, once a world", "[bridge]")
         notes += note.empty() ? 0 : 1;
     }
     CHECK(notes == 1);
-    Game silent;
+    SettingsGame silent;
     silent.floor();
     silent.dome(0.0, 0.5);
     CHECK(silent.frame().note.empty());
@@ -321,7 +321,7 @@ TEST_CASE("restitution of a fixture is refused aloud, once a world", "[bridge]")
 
 TEST_CASE("save, eight frames, restore, eight frames give equal bits with bodies", "[bridge]") {
     for (const Quality quality : {Quality::Laboratory, Quality::Game}) {
-        Game g;
+        SettingsGame g;
         REQUIRE(g.shells.set_quality(quality));
         g.world.SetAllowSleeping(false); // sleep timers cannot be restored
         g.floor();

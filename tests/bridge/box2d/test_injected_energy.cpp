@@ -7,8 +7,8 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-struct Game : GameWorld {
-    explicit Game(Quality quality, float gravity = -9.81F, double scale = 1.0, float density = 20.0F)
+struct EnergyGame : GameWorld {
+    explicit EnergyGame(Quality quality, float gravity = -9.81F, double scale = 1.0, float density = 20.0F)
         : GameWorld(quality, {.scale = scale, .gravity = gravity, .density = density, .friction = 0.6F}) {}
     void frame(double dt = kFrame) {
         GameWorld::frame(dt);
@@ -23,7 +23,7 @@ TEST_CASE("a crate with a welded shell lands and stays", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory})
         for (const double units : {1.0, 50.0})
             for (const int tips : {1, 2}) {
-                Game g(quality, -9.81F, units);
+                EnergyGame g(quality, -9.81F, units);
                 g.floor();
                 b2Body* crate = g.box(0.0F, 1.8F, 0.5F, 0.5F, b2_dynamicBody);
                 const ShellHandle shell = g.bumper({0.87, 1.8});
@@ -47,7 +47,7 @@ TEST_CASE("a short frame is no blow", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory})
         for (const JointKind kind : {JointKind::Weld, JointKind::Pin})
             for (const double dt : {1e-3, 1e-5, 1e-7}) {
-                Game g(quality, -9.81F, 1.0, 40.0F);
+                EnergyGame g(quality, -9.81F, 1.0, 40.0F);
                 g.floor();
                 b2Body* crate = g.box(0.0F, 1.5F, 1.4F, 0.2F, b2_dynamicBody);
                 REQUIRE(g.join(g.bumper({1.77, 1.5}), 0.0, *crate, kind));
@@ -66,8 +66,8 @@ TEST_CASE("no body passes a shell unseen, at any speed and phase", "[box2d][inje
         for (const double hz : {30.0, 60.0})
             for (const double speed : {5.0, 20.0, 60.0, 110.0}) // Box2D stops at 2 m a step: 120 m/s at 60 Hz
                 for (int phase = 0; phase < 5; ++phase) {
-                    Game g(quality, 0.0F);
-                    const ShellHandle dome = g.shells.create(Game::dome(1.0, {0.0, 1.0})).value();
+                    EnergyGame g(quality, 0.0F);
+                    const ShellHandle dome = g.shells.create(EnergyGame::dome(1.0, {0.0, 1.0})).value();
                     REQUIRE(g.shells.create_clamp(dome, 0.0));
                     REQUIRE(g.shells.create_clamp(dome, 1.0));
                     b2BodyDef def;
@@ -92,7 +92,7 @@ TEST_CASE("no body passes a shell unseen, at any speed and phase", "[box2d][inje
 TEST_CASE("a joint to a body that its user has moved closes without a blow", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory})
         for (const double way : {0.001, 0.007, 0.05}) {
-            Game g(quality);
+            EnergyGame g(quality);
             g.floor();
             b2Body* crate = g.box(0.0F, 0.5F, 0.5F, 0.5F, b2_dynamicBody);
             REQUIRE(g.join(g.bumper({0.9, 0.5}), 0.0, *crate, JointKind::Weld));
@@ -110,10 +110,10 @@ TEST_CASE("a joint to a body that its user has moved closes without a blow", "[b
 
 TEST_CASE("a platform that is put forward every frame carries what stands on its way", "[box2d][injected]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
-        Game g(quality);
+        EnergyGame g(quality);
         g.floor();
         b2Body* pusher = g.box(-2.0F, 0.5F, 0.5F, 0.5F, b2_kinematicBody);
-        ShellDef d = Game::dome(0.5, {0.0, 0.52});
+        ShellDef d = EnergyGame::dome(0.5, {0.0, 0.52});
         d.mu = 0.1;
         const ShellHandle dome = g.shells.create(d).value();
         for (int i = 0; i < 180; ++i) { // 1 m/s by SetTransform, its velocity stays zero

@@ -7,14 +7,15 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-struct Level : GameWorld {
-    Level(Quality quality, double scale) : GameWorld(quality, {.scale = scale, .density = 30.0F, .friction = 0.6F}) {
+struct IslandLevel : GameWorld {
+    IslandLevel(Quality quality, double scale)
+        : GameWorld(quality, {.scale = scale, .density = 30.0F, .friction = 0.6F}) {
         floor();
     }
 };
 
 /// Two bumpers, a crate on them, another one on the floor beside them.
-void addNear(Level& level, std::vector<ShellHandle>& made, std::vector<b2Body*>& crates) {
+void addNear(IslandLevel& level, std::vector<ShellHandle>& made, std::vector<b2Body*>& crates) {
     made = {level.bumper({0.0, 0.5}, 0.3), level.bumper({0.3, 1.2}, 2.0)};
     crates = {level.box(0.1F, 2.0F, 0.3F, 0.2F, b2_dynamicBody), level.box(0.9F, 0.25F, 0.2F, 0.2F, b2_dynamicBody)};
 }
@@ -24,7 +25,7 @@ void addNear(Level& level, std::vector<ShellHandle>& made, std::vector<b2Body*>&
 TEST_CASE("shells and crates far away change no bit of those here", "[box2d][islands]") {
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
     const double scale = GENERATE(1.0, 50.0);
-    Level alone(quality, scale), crowded(quality, scale);
+    IslandLevel alone(quality, scale), crowded(quality, scale);
     std::vector<ShellHandle> here, there, far;
     std::vector<b2Body*> cratesHere, cratesThere;
     addNear(alone, here, cratesHere);

@@ -13,11 +13,11 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kDt = 1.0 / 120.0;
-constexpr double kTop = kRadius + kThick; ///< of an unloaded dome, m
-constexpr double kHalf = 0.005;           ///< of the crates' height, m
-constexpr double kMass = 0.005;           ///< of the crates, kg
-constexpr double kWeight = kMass * kFall; ///< N
+constexpr double kStep = 1.0 / 120.0;
+constexpr double kDomeTop = kRadius + kThick; ///< of an unloaded dome, m
+constexpr double kHalf = 0.005;               ///< of the crates' height, m
+constexpr double kMass = 0.005;               ///< of the crates, kg
+constexpr double kWeight = kMass * kFall;     ///< N
 
 float units(double metres) {
     return static_cast<float>(metres * kScale);
@@ -39,7 +39,7 @@ struct Jointed {
 /// A crate on the crown of a dome at x = 0.
 b2Body* crateOn(CoupledWorld& p) {
     p.dome(0.0);
-    return p.box(0.0, kTop + kHalf + 1e-4, 0.01, kHalf, kMass);
+    return p.box(0.0, kDomeTop + kHalf + 1e-4, 0.01, kHalf, kMass);
 }
 
 b2Joint* prismaticTo(CoupledWorld& p, b2Body* ground, b2Body* body) {
@@ -54,9 +54,9 @@ std::function<double()> apart(b2Joint* j) {
 
 Jointed revolute(CoupledWorld& p, b2Body* ground) { // a lever on a pivot rests on the dome
     p.dome(0.0);
-    b2Body* lever = p.box(-0.02, kTop + kHalf + 1e-4, 0.04, kHalf, kMass);
+    b2Body* lever = p.box(-0.02, kDomeTop + kHalf + 1e-4, 0.04, kHalf, kMass);
     b2RevoluteJointDef j;
-    j.Initialize(ground, lever, host(-0.055, kTop + kHalf));
+    j.Initialize(ground, lever, host(-0.055, kDomeTop + kHalf));
     return {lever, apart(p.world.CreateJoint(&j))};
 }
 
@@ -72,7 +72,7 @@ Jointed prismatic(CoupledWorld& p, b2Body* ground) {
 Jointed distance(CoupledWorld& p, b2Body* ground) { // a rigid rod from the side
     b2Body* crate = crateOn(p);
     b2DistanceJointDef j;
-    j.Initialize(ground, crate, host(-0.06, kTop + 0.03), crate->GetWorldCenter());
+    j.Initialize(ground, crate, host(-0.06, kDomeTop + 0.03), crate->GetWorldCenter());
     const b2Joint* made = p.world.CreateJoint(&j);
     return {crate, [made, length = j.length] {
                 return std::abs(metres((made->GetAnchorA() - made->GetAnchorB()).Length() - length));
@@ -100,10 +100,10 @@ Jointed mouse(CoupledWorld& p, b2Body* ground) { // pulls to the side and up wit
     j.maxForce = units(0.5 * kWeight);
     b2LinearStiffness(j.stiffness, j.damping, 5.0F, 0.7F, ground, crate);
     auto* made = static_cast<b2MouseJoint*>(p.world.CreateJoint(&j));
-    made->SetTarget(host(0.001, kTop + kHalf + 0.001));
+    made->SetTarget(host(0.001, kDomeTop + kHalf + 0.001));
     return {crate, [made] { // beyond its largest force
                 return std::max(0.0,
-                                static_cast<double>(made->GetReactionForce(static_cast<float>(1.0 / kDt)).Length()) -
+                                static_cast<double>(made->GetReactionForce(static_cast<float>(1.0 / kStep)).Length()) -
                                     1.001 * static_cast<double>(made->GetMaxForce()));
             }};
 }
@@ -130,8 +130,8 @@ Jointed gear(CoupledWorld& p, b2Body* ground) { // the weight of an arm presses 
 
 Jointed wheel(CoupledWorld& p, b2Body*) { // a braked wheel on the dome carries a chassis on its spring
     p.dome(0.0);
-    b2Body* disc = p.disc(0.0, kTop + 0.0101, 0.01, 0.4 * kMass, 0.8);
-    b2Body* chassis = p.box(0.0, kTop + 0.03, 0.01, kHalf, kMass);
+    b2Body* disc = p.disc(0.0, kDomeTop + 0.0101, 0.01, 0.4 * kMass, 0.8);
+    b2Body* chassis = p.box(0.0, kDomeTop + 0.03, 0.01, kHalf, kMass);
     chassis->SetFixedRotation(true);
     b2WheelJointDef j;
     j.Initialize(chassis, disc, disc->GetWorldCenter(), {0.0F, 1.0F});
@@ -144,9 +144,9 @@ Jointed wheel(CoupledWorld& p, b2Body*) { // a braked wheel on the dome carries 
 
 Jointed weld(CoupledWorld& p, b2Body*) { // a heavier one on top
     b2Body* crate = crateOn(p);
-    b2Body* above = p.box(0.0, kTop + 3.0 * kHalf + 2e-4, 0.01, kHalf, 2.0 * kMass);
+    b2Body* above = p.box(0.0, kDomeTop + 3.0 * kHalf + 2e-4, 0.01, kHalf, 2.0 * kMass);
     b2WeldJointDef j;
-    j.Initialize(crate, above, host(0.0, kTop + 2.0 * kHalf));
+    j.Initialize(crate, above, host(0.0, kDomeTop + 2.0 * kHalf));
     b2Joint* made = p.world.CreateJoint(&j);
     return {crate, [crate, above, gap = apart(made)] {
                 return gap() + kHalf * std::abs(static_cast<double>(above->GetAngle() - crate->GetAngle()));
@@ -167,7 +167,7 @@ Jointed motorJoint(CoupledWorld& p, b2Body* ground) { // pushes aside with a fif
     b2Body* crate = crateOn(p);
     b2MotorJointDef j;
     j.Initialize(ground, crate);
-    j.linearOffset = ground->GetLocalPoint(host(0.002, kTop + kHalf));
+    j.linearOffset = ground->GetLocalPoint(host(0.002, kDomeTop + kHalf));
     j.maxForce = units(0.2 * kWeight);
     j.maxTorque = torque(1e-4);
     p.world.CreateJoint(&j);
@@ -184,7 +184,7 @@ const JointCase kJointCases[] = {{"revolute", revolute}, {"prismatic", prismatic
                                  {"motor", motorJoint}};
 
 /// Observations of the last second.
-struct Observed {
+struct ObservedJoint {
     double gap = 0.0;    ///< largest distance from touching, m
     double jitter = 0.0; ///< largest speed of a body, m/s
     double error = 0.0;  ///< largest of the joint, m
@@ -193,7 +193,7 @@ struct Observed {
     bool finite = true;
 };
 
-void look(CoupledWorld& p, double least, Observed& s) {
+void look(CoupledWorld& p, double least, ObservedJoint& s) {
     for (const b2Body* b = p.world.GetBodyList(); b != nullptr; b = b->GetNext()) {
         s.jitter = std::max(s.jitter, CoupledWorld::speed(b));
         s.finite &= b->GetPosition().IsValid() && b->GetLinearVelocity().IsValid();
@@ -201,11 +201,11 @@ void look(CoupledWorld& p, double least, Observed& s) {
     s.growth = std::max(s.growth, p.energy() - least);
 }
 
-Observed simulate(const JointCase& kind, double seconds, double dt = kDt) {
+ObservedJoint simulate(const JointCase& kind, double seconds, double dt = kStep) {
     CoupledWorld p;
     b2Body* ground = p.floor();
     const Jointed j = kind.make(p, ground);
-    Observed s;
+    ObservedJoint s;
     double least = 1e9;
     const int frames = static_cast<int>(seconds / dt), last = static_cast<int>(1.0 / dt);
     for (int i = 0; i < frames; ++i) {
@@ -222,17 +222,17 @@ Observed simulate(const JointCase& kind, double seconds, double dt = kDt) {
 }
 
 /// Piles of `high` crates on a plank that domes carry.
-Observed heap(int piles, int high, double dt, double seconds, std::size_t* inProblem = nullptr) {
+ObservedJoint heap(int piles, int high, double dt, double seconds, std::size_t* inProblem = nullptr) {
     CoupledWorld p;
     p.floor();
     const double width = 0.022 * piles;
     for (double x = 0.0; x < width + 0.02; x += 0.045)
         p.dome(x);
-    b2Body* plank = p.box(0.5 * width, kTop + 0.003 + 1e-5, 0.5 * width + 0.03, 0.003, 0.01);
+    b2Body* plank = p.box(0.5 * width, kDomeTop + 0.003 + 1e-5, 0.5 * width + 0.03, 0.003, 0.01);
     for (int i = 0; i < piles; ++i)
         for (int k = 0; k < high; ++k)
-            p.box(0.011 + 0.022 * i, kTop + 0.0061 + 0.006 * (k + 0.5) + 2e-5 * k, 0.008, 0.003, 0.0005);
-    Observed s;
+            p.box(0.011 + 0.022 * i, kDomeTop + 0.0061 + 0.006 * (k + 0.5) + 2e-5 * k, 0.008, 0.003, 0.0005);
+    ObservedJoint s;
     double least = 1e9;
     const int frames = static_cast<int>(seconds / dt), last = static_cast<int>(0.5 * seconds / dt);
     for (int i = 0; i < frames; ++i) {
@@ -258,7 +258,7 @@ TEST_CASE("every joint of Box2D stays closed and quiet on a body that a shell ca
     constexpr double slop = 0.005 / kScale;
     for (const JointCase& kind : kJointCases) {
         INFO(kind.name);
-        const Observed s = simulate(kind, 3.0);
+        const ObservedJoint s = simulate(kind, 3.0);
         CAPTURE(s.gap / kThick, s.jitter, s.error, s.worst, s.growth);
         CHECK(s.finite);
         CHECK(s.gap < 0.1 * kThick);
@@ -270,7 +270,7 @@ TEST_CASE("every joint of Box2D stays closed and quiet on a body that a shell ca
 
 TEST_CASE("a heap of 72 crates on shells comes to rest", "[bridge]") {
     std::size_t coupled = 0;
-    const Observed s = heap(9, 8, kDt, 1.0, &coupled);
+    const ObservedJoint s = heap(9, 8, kStep, 1.0, &coupled);
     CAPTURE(s.gap / kThick, s.jitter, s.growth, coupled);
     CHECK(s.finite);
     CHECK(coupled == 73); // all crates and the plank
@@ -282,7 +282,7 @@ TEST_CASE("a heap of 72 crates on shells comes to rest", "[bridge]") {
 TEST_CASE("figures of joints on loaded bodies", "[.joints]") {
     for (const JointCase& kind : kJointCases)
         for (const double dt : {1.0 / 240.0, 1.0 / 60.0}) {
-            const Observed s = simulate(kind, 3.0, dt);
+            const ObservedJoint s = simulate(kind, 3.0, dt);
             std::printf("%-10s 1/%.0f s: gap %.0e h, jitter %.0e m/s, joint %.0e m (worst %.0e), growth %.0e J\n",
                         kind.name, 1.0 / dt, s.gap / kThick, s.jitter, s.error, s.worst, s.growth);
         }
@@ -292,7 +292,7 @@ TEST_CASE("figures of heaps", "[.heap]") {
     for (const int high : {6, 8, 12})
         for (const double dt : {1.0 / 240.0, 1.0 / 60.0}) {
             std::size_t coupled = 0;
-            const Observed s = heap(9, high, dt, 4.0, &coupled);
+            const ObservedJoint s = heap(9, high, dt, 4.0, &coupled);
             std::printf("%d bodies (%zu in the problem), 1/%.0f s: gap %.0e h, jitter %.0e m/s, growth %.0e J\n",
                         9 * high + 1, coupled, 1.0 / dt, s.gap / kThick, s.jitter, s.growth);
         }

@@ -22,8 +22,8 @@ enum class Why {
     Count
 };
 
-struct Level : GameWorld {
-    explicit Level(Quality quality) : GameWorld(quality) {
+struct CrossingLevel : GameWorld {
+    explicit CrossingLevel(Quality quality) : GameWorld(quality) {
         wall = body(b2_staticBody, 0.0F, 0.0F);
         box.SetAsBox(0.5F, 0.02F);
         edge.SetTwoSided({-0.5F, 0.0F}, {0.5F, 0.0F});
@@ -65,7 +65,7 @@ struct Level : GameWorld {
 };
 
 /// The shell that passes, set up so that only `why` keeps it from touching.
-ShellHandle setUp(Level& level, Why why, b2FixtureDef& f) {
+ShellHandle setUp(CrossingLevel& level, Why why, b2FixtureDef& f) {
     // A joined strip hangs by its end and swings through what it is joined to; others fall through the wall.
     const bool swings = why == Why::Joined || why == Why::ShellsJoined;
     const ShellHandle shell = swings ? level.strip(0.19, 0.2, 0.5) : level.strip(0.0, 1.0, 0.4);
@@ -113,7 +113,7 @@ TEST_CASE("what shells do not touch they pass, and no step is rejected for it", 
     const Why why = static_cast<Why>(GENERATE(range(0, static_cast<int>(Why::Count))));
     const int shape = GENERATE(0, 1, 2);
     CAPTURE(static_cast<int>(quality), static_cast<int>(why), shape);
-    Level level(quality);
+    CrossingLevel level(quality);
     b2FixtureDef f;
     f.shape = shape == 0   ? static_cast<const b2Shape*>(&level.box)
               : shape == 1 ? static_cast<const b2Shape*>(&level.edge)

@@ -7,8 +7,8 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-struct Level : GameWorld {
-    explicit Level(Quality quality, double scale = 1.0) : GameWorld(quality, {.scale = scale}) {}
+struct LedgeLevel : GameWorld {
+    explicit LedgeLevel(Quality quality, double scale = 1.0) : GameWorld(quality, {.scale = scale}) {}
     /// Carries from above. A chain of four edges, or one edge with ghost vertices.
     b2Body* ledge(float y, bool chain, b2BodyType type = b2_staticBody) {
         b2Body* b = body(type, 0.0F, y);
@@ -63,7 +63,7 @@ TEST_CASE("a shell thrown up through a one-sided ledge passes, and is carried fr
     const double angle = GENERATE(0.0, 0.7, 1.5707);
     const double speed = GENERATE(1.5, 3.0, 4.0, 5.0, 6.6); // rises 0.1 to 2.2 m: below, half through, above
     CAPTURE(static_cast<int>(quality), scale, chain, arch, angle, speed);
-    Level level(quality, scale);
+    LedgeLevel level(quality, scale);
     level.ledge(0.0F, chain);
     level.ledge(-4.0F, chain);
     const ShellHandle shell = level.shell(-0.75, angle, arch);
@@ -90,7 +90,7 @@ TEST_CASE("a one-sided ledge moves down past a shell", "[box2d][one_sided]") {
     const bool chain = GENERATE(true, false), arch = GENERATE(true, false);
     const float speed = GENERATE(0.2F, 1.0F, 5.0F);
     CAPTURE(static_cast<int>(quality), chain, arch, speed);
-    Level level(quality);
+    LedgeLevel level(quality);
     level.ledge(0.0F, chain);
     b2Body* moving = level.ledge(0.8F, chain, b2_kinematicBody);
     const ShellHandle shell = level.shell(0.2, 0.1, arch);
@@ -110,7 +110,7 @@ TEST_CASE("two one-sided ledges closer than a shell is thick", "[box2d][one_side
     const double apart = GENERATE(0.1, 0.45, 0.55, 0.9); // thicknesses
     const bool below = chain == arch;                    // every pair of these choices
     CAPTURE(static_cast<int>(quality), chain, arch, apart, below);
-    Level level(quality);
+    LedgeLevel level(quality);
     const ShellHandle shell = level.shell(below ? -0.75 : 0.4, 0.3, arch);
     level.ledge(0.0F, chain);
     level.ledge(static_cast<float>(-apart * level.thickness()), chain);
@@ -126,7 +126,7 @@ TEST_CASE("a shell on its way through a ledge stands on the ground of the same b
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
     const bool chain = GENERATE(true, false);
     CAPTURE(static_cast<int>(quality), chain);
-    Level level(quality);
+    LedgeLevel level(quality);
     b2Body* ground = level.ledge(0.0F, chain);
     level.addLedge(ground, 0.25F, chain);
     const ShellHandle shell = level.shell(0.02, 0.0, false);
@@ -148,7 +148,7 @@ TEST_CASE("a shell thrown sideways against the end of a one-sided ledge", "[box2
     const double lean = GENERATE(-0.4, -0.1, 0.0, 0.1, 0.4); // its foot is first, or its head
     const double rise = GENERATE(-0.3, 0.0, 0.3);
     CAPTURE(static_cast<int>(quality), chain, arch, lean, rise);
-    Level level(quality);
+    LedgeLevel level(quality);
     level.addLedge(level.body(b2_staticBody, 0.0F, 0.0F), 0.0F, chain, 0.5F);
     level.ledge(-3.0F, chain);
     const ShellHandle shell = level.shell(0.0, 0.5 * M_PI + lean, arch, -1.0);
@@ -164,7 +164,7 @@ TEST_CASE("a sharp ridge of a one-sided chain carries a shell", "[box2d][one_sid
     const float half = GENERATE(0.1F, 0.3F, 1.0F); // of the foot of a ridge of 0.5 m, which turns by up to 157 degrees
     const double x = GENERATE(0.0, 0.05);          // off its middle it slides down one flank
     CAPTURE(static_cast<int>(quality), half, x);
-    Level level(quality);
+    LedgeLevel level(quality);
     const b2Vec2 v[] = {{5.0F, 0.0F}, {half, 0.0F}, {0.0F, 0.5F}, {-half, 0.0F}, {-5.0F, 0.0F}};
     b2ChainShape ridge;
     ridge.CreateChain(v, 5, {6.0F, 0.0F}, {-6.0F, 0.0F});
@@ -183,7 +183,7 @@ TEST_CASE("a sharp ridge of a one-sided chain carries a shell", "[box2d][one_sid
 TEST_CASE("a dome of a few large elements stands on a ridge inside it", "[box2d][one_sided]") {
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
     CAPTURE(static_cast<int>(quality));
-    Level level(quality);
+    LedgeLevel level(quality);
     // The ridge is 0.02 m below the top, above the chords of the elements.
     const b2Vec2 v[] = {{5.0F, 0.0F}, {0.2F, 0.0F}, {0.0F, 0.7F}, {-0.2F, 0.0F}, {-5.0F, 0.0F}};
     b2ChainShape ridge;
@@ -202,7 +202,7 @@ TEST_CASE("a dome of a few large elements stands on a ridge inside it", "[box2d]
 
 TEST_CASE("a shell half way through a ledge is part of a saved state", "[box2d][one_sided]") {
     const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
-    Level level(quality);
+    LedgeLevel level(quality);
     level.ledge(0.0F, true);
     const ShellHandle shell = level.shell(-0.75, 1.3, false);
     level.shells.set_velocity(shell, {0.0, 4.0}).or_fail();

@@ -15,8 +15,8 @@ constexpr double kPush = 20.0 * kThickness;
 /// Of a frame: impacts are made of steps of 0.25 ms, what parts at speed of shorter ones; of dtMin it would be 16 000.
 constexpr std::uint64_t kMostSteps = 300;
 
-struct Game : GameWorld {
-    explicit Game(Quality quality, double units = 1.0, float gravity = -9.81F)
+struct OverlapGame : GameWorld {
+    explicit OverlapGame(Quality quality, double units = 1.0, float gravity = -9.81F)
         : GameWorld(quality, {.scale = units, .gravity = gravity, .density = 20.0F, .friction = 0.5F}) {}
     static ShellDef dome(double x, double y, double angle = M_PI) { return GameWorld::dome(1.0, {x, y}, angle); }
     ShellHandle shell(double x, double y, double angle = M_PI) { return shells.create(dome(x, y, angle)).value(); }
@@ -60,7 +60,7 @@ void inAll(Test test) {
 TEST_CASE("two strangers made across each other part at a bounded speed", "[box2d][overlap]") {
     for (const double angle : {0.5, -0.9, 1.2}) // without gravity, so that only the push moves them
         inAll([&](Quality quality, double units) {
-            Game g(quality, units, 0.0F);
+            OverlapGame g(quality, units, 0.0F);
             const ShellHandle a = g.shell(0.0, 0.0), b = g.shell(0.7, 0.0, M_PI + angle);
             REQUIRE(g.crossings() > 0);
             g.frame();
@@ -78,7 +78,7 @@ TEST_CASE("two strangers made across each other part at a bounded speed", "[box2
 
 TEST_CASE("strangers on a floor part and rest", "[box2d][overlap]") {
     inAll([](Quality quality, double units) {
-        Game g(quality, units);
+        OverlapGame g(quality, units);
         g.floor();
         g.shell(0.0, 1.02);
         g.shell(0.7, 1.02);
@@ -92,7 +92,7 @@ TEST_CASE("strangers on a floor part and rest", "[box2d][overlap]") {
 TEST_CASE("a shell made with its tips in the floor rises", "[box2d][overlap]") {
     for (const double deep : {0.25, 0.75, 2.0})
         inAll([&](Quality quality, double units) {
-            Game g(quality, units);
+            OverlapGame g(quality, units);
             g.floor();
             const ShellHandle s = g.shell(0.0, 1.0 - deep * kThickness);
             g.run(2.0);
@@ -106,7 +106,7 @@ TEST_CASE("a shell made with its tips in the floor rises", "[box2d][overlap]") {
 TEST_CASE("a shell made with its tips behind a chain rises to its front", "[box2d][overlap]") {
     for (const double deep : {0.5, 1.0, 5.0})
         inAll([&](Quality quality, double units) {
-            Game g(quality, units);
+            OverlapGame g(quality, units);
             const b2Vec2 points[] = {
                 {5.0F * g.L, 0.0F}, {2.0F * g.L, 0.0F}, {0.0F, 0.0F}, {-2.0F * g.L, 0.0F}, {-5.0F * g.L, 0.0F}};
             b2ChainShape chain;
@@ -124,7 +124,7 @@ TEST_CASE("a shell made with its tips behind a chain rises to its front", "[box2
 
 TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap]") {
     inAll([](Quality quality, double units) { // wholly inside the floor
-        Game g(quality, units);
+        OverlapGame g(quality, units);
         g.floor();
         g.shell(0.0, -0.1, 0.0);
         g.run(4.0);
@@ -133,7 +133,7 @@ TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap
     });
     for (const float x : {1.0F, 0.97F}) // a post of a hand's breadth through the foot of a dome
         inAll([&](Quality quality, double units) {
-            Game g(quality, units);
+            OverlapGame g(quality, units);
             g.floor();
             g.shell(0.0, 1.02);
             g.box(x, 0.5F, 0.05F, 0.5F);
@@ -142,7 +142,7 @@ TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap
             CHECK(g.fastest < 4.0 * kPush);
         });
     inAll([](Quality quality, double units) { // a sheet through the top, half above and half below: only up is free
-        Game g(quality, units);
+        OverlapGame g(quality, units);
         g.floor();
         g.shell(0.0, 1.02);
         g.box(0.3F, 1.0F, 0.02F, 0.5F);
@@ -153,7 +153,7 @@ TEST_CASE("a shell inside a solid or through a wall comes out", "[box2d][overlap
 
 TEST_CASE("a shell teleported across another one parts from it", "[box2d][overlap]") {
     inAll([](Quality quality, double units) {
-        Game g(quality, units);
+        OverlapGame g(quality, units);
         g.floor();
         g.shell(0.0, 1.02);
         const ShellHandle b = g.shell(5.0, 1.02);
@@ -168,7 +168,7 @@ TEST_CASE("a shell teleported across another one parts from it", "[box2d][overla
 
 TEST_CASE("a crate put onto a shell and the shell part", "[box2d][overlap]") {
     inAll([](Quality quality, double units) {
-        Game g(quality, units);
+        OverlapGame g(quality, units);
         g.floor();
         const ShellHandle s = g.shell(0.0, 1.02);
         g.run(1.0);
@@ -187,7 +187,7 @@ TEST_CASE("a crate put onto a shell and the shell part", "[box2d][overlap]") {
 
 TEST_CASE("an overlap is part of a saved state", "[box2d][overlap]") {
     for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
-        Game g(quality);
+        OverlapGame g(quality);
         g.floor();
         g.shell(0.0, 1.02);
         g.shell(0.7, 1.02);
@@ -210,7 +210,7 @@ TEST_CASE("a pile beside an overlapping pair stands as without it", "[box2d][ove
     for (const Quality quality : {Quality::Game, Quality::Laboratory}) {
         double top[2] = {};
         for (const bool pair : {false, true}) {
-            Game g(quality);
+            OverlapGame g(quality);
             g.floor();
             std::vector<ShellHandle> pile;
             for (int i = 0; i < 6; ++i)
@@ -231,21 +231,21 @@ TEST_CASE("a pile beside an overlapping pair stands as without it", "[box2d][ove
 
 TEST_CASE("fits tells whether a shell would cross something", "[box2d][overlap]") {
     for (const double units : {1.0, 50.0}) {
-        Game g(Quality::Game, units);
+        OverlapGame g(Quality::Game, units);
         g.floor();
-        CHECK(g.shells.fits(Game::dome(0.0, 1.02)).value());
-        CHECK_FALSE(g.shells.fits(Game::dome(0.0, 0.99)).value()); // tips in the floor
-        CHECK_FALSE(g.shells.fits(Game::dome(0.0, -0.1, 0.0)).value());
+        CHECK(g.shells.fits(OverlapGame::dome(0.0, 1.02)).value());
+        CHECK_FALSE(g.shells.fits(OverlapGame::dome(0.0, 0.99)).value()); // tips in the floor
+        CHECK_FALSE(g.shells.fits(OverlapGame::dome(0.0, -0.1, 0.0)).value());
         g.shell(0.0, 1.02);
-        CHECK_FALSE(g.shells.fits(Game::dome(0.7, 1.02)).value()); // before the first frame as well
-        CHECK(g.shells.fits(Game::dome(2.1, 1.02)).value());
-        ShellDef ghost = Game::dome(0.7, 1.02);
+        CHECK_FALSE(g.shells.fits(OverlapGame::dome(0.7, 1.02)).value()); // before the first frame as well
+        CHECK(g.shells.fits(OverlapGame::dome(2.1, 1.02)).value());
+        ShellDef ghost = OverlapGame::dome(0.7, 1.02);
         ghost.mask = 2; // the other shell is in category 1, and so is the floor
         CHECK(g.shells.fits(ghost).value());
         g.box(2.1F, 2.0F, 0.2F, 0.02F);
-        CHECK(g.shells.fits(Game::dome(2.1, 1.02)).value());
+        CHECK(g.shells.fits(OverlapGame::dome(2.1, 1.02)).value());
         g.box(2.1F, 1.0F, 0.2F, 0.1F);
-        CHECK_FALSE(g.shells.fits(Game::dome(2.1, 1.02)).value());
+        CHECK_FALSE(g.shells.fits(OverlapGame::dome(2.1, 1.02)).value());
         ghost.thickness = -1.0;
         CHECK_FALSE(g.shells.fits(ghost));
         CHECK(g.shells.size() == 1);
@@ -256,7 +256,7 @@ TEST_CASE("a shell passes a one-sided edge from behind and lands on its front if
     inAll([](Quality quality, double units) {
         for (const double speed : {6.0, 7.0})
             for (const double angle : {0.0, M_PI}) {
-                Game g(quality, units);
+                OverlapGame g(quality, units);
                 b2BodyDef def;
                 b2EdgeShape
                     edge; // front above: the solid is on the right of the way from the first vertex to the second

@@ -12,7 +12,7 @@ using namespace supercircle::bridge_test;
 
 namespace {
 
-constexpr double kDt = 1.0 / 120.0;
+constexpr double kHostStep = 1.0 / 120.0;
 
 /// A coarse version of Shells::draw for an open shell: both faces.
 void draw(const CoupledWorld& p, DebugDraw& canvas) {
@@ -46,8 +46,8 @@ struct Ray : b2RayCastCallback {
     b2Vec2 point{0.0F, 0.0F};
 };
 
-struct Observed : b2QueryCallback {
-    explicit Observed(const bridge::ShellProxies& p) : proxies(&p) {}
+struct ObservedFixtures : b2QueryCallback {
+    explicit ObservedFixtures(const bridge::ShellProxies& p) : proxies(&p) {}
     bool ReportFixture(b2Fixture* f) override {
         outlines += proxies->outline_of(*f) == 0 ? 1 : 0;
         return true;
@@ -87,7 +87,7 @@ TEST_CASE("ray casts, queries and listeners of Box2D find shells by their proxie
     CHECK(proxies.outline_of(*ray.fixture) == 0);
     CHECK(static_cast<double>(ray.point.y) / kScale ==
           Approx(kRadius + kThick).margin(0.05 * kThick)); // chords, floats
-    Observed seen(proxies);
+    ObservedFixtures seen(proxies);
     p.world.QueryAABB(&seen, {host(-0.001, 0.015), host(0.001, 0.025)});
     CHECK(seen.outlines > 0);
 
@@ -97,13 +97,13 @@ TEST_CASE("ray casts, queries and listeners of Box2D find shells by their proxie
     b2Body* crate = p.box(0.0, kRadius + kThick + 0.006, 0.01, 0.005, 0.005);
     CHECK(proxies.outline_of(*crate->GetFixtureList()) == bridge::ShellProxies::kNone);
     for (int i = 0; i < 60; ++i) {
-        p.frame(kDt);
+        p.frame(kHostStep);
         update(p, proxies);
     }
     CHECK(listener.begun > 0);
     CHECK(std::abs(p.gap(crate)) < 0.01 * kThick);
     crate->SetTransform(host(0.3, 0.1), 0.0F);
-    p.frame(kDt);
+    p.frame(kHostStep);
     CHECK(listener.ended == listener.begun);
     p.world.SetContactListener(nullptr);
 }
@@ -120,7 +120,7 @@ TEST_CASE("proxies follow shells, disappear with them, and influence neither bod
             for (int i = 0; i < 60; ++i) {
                 if (with)
                     update(p, proxies);
-                p.frame(kDt);
+                p.frame(kHostStep);
             }
             if (with) {
                 CHECK(p.world.GetBodyCount() == bodies + 1);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-sc_world makeWorld(double unitsPerMetre = 1.0) {
+sc_world gameWorld(double unitsPerMetre = 1.0) {
     sc_world_def def;
     sc_world_def_init(&def);
     def.quality = SC_QUALITY_GAME;
@@ -46,7 +46,7 @@ bool mentions(const std::string& text, const std::string& part) {
 } // namespace
 
 TEST_CASE("bodies by definition move as those of a scene's text, to the bit", "[c]") {
-    const sc_world byText = makeWorld(), byCall = makeWorld();
+    const sc_world byText = gameWorld(), byCall = gameWorld();
     REQUIRE(sc_world_add(byText, R"({"schema": "supercircle-scene/1", "body": [
         {"fixture": [{"edge": {"vertex1": {"x": -20, "y": 0}, "vertex2": {"x": 20, "y": 0}}}]},
         {"type": 2, "position": {"x": 1, "y": 2}, "angle": 0.3, "linearVelocity": {"x": 0.5, "y": -1},
@@ -100,7 +100,7 @@ TEST_CASE("bodies by definition move as those of a scene's text, to the bit", "[
 }
 
 TEST_CASE("a body that cannot be is refused, and none is made", "[c]") {
-    const sc_world w = makeWorld();
+    const sc_world w = gameWorld();
     const std::vector<sc_point> two{{0.0, 0.0}, {1.0, 0.0}}, same{{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     const auto refused = [&](sc_body_def def, const std::vector<sc_point>& points, const std::string& words) {
         sc_body b{};
@@ -149,7 +149,7 @@ TEST_CASE("a scaled definition is that of C++", "[c]") {
     CHECK(def.density == same.density);
     CHECK(def.young_modulus == same.young_modulus);
     CHECK(def.size == static_cast<std::int32_t>(sizeof def));
-    const sc_world w = makeWorld();
+    const sc_world w = gameWorld();
     sc_shell shell{};
     sc_shell_state state{};
     REQUIRE(sc_shell_create(w, &def, nullptr, nullptr, 0, &shell) == SC_OK);
@@ -169,7 +169,7 @@ TEST_CASE("a scaled definition is that of C++", "[c]") {
 TEST_CASE("a fragment has the scale of its world, and no remark about its end", "[c]") {
     const char* const small = R"({"schema": "supercircle-scene/1", "body": [{"name": "crate", "type": 2, "fixture": [
         {"polygon": {"vertices": {"x": [-0.002, 0.002, 0.002, -0.002], "y": [-0.002, -0.002, 0.002, 0.002]}}}]}]})";
-    const sc_world fine = makeWorld(52.1), coarse = makeWorld(1.0);
+    const sc_world fine = gameWorld(52.1), coarse = gameWorld(1.0);
     CHECK(sc_world_add(fine, small, -1) == SC_OK);
     CHECK(mentions(sc_world_report(fine), R"("note":"")"));
     CHECK(sc_world_add(coarse, small, -1) == SC_BAD_INPUT); // 4 mm are below Box2D's tolerance
@@ -178,7 +178,7 @@ TEST_CASE("a fragment has the scale of its world, and no remark about its end", 
 }
 
 TEST_CASE("refusals of C name nothing of the C++ API", "[c]") {
-    const sc_world w = makeWorld();
+    const sc_world w = gameWorld();
     sc_shell_def def;
     sc_shell_def_init(&def);
     sc_shell shell{};

@@ -40,7 +40,7 @@ List listOf(sc_world w) {
     return out;
 }
 
-sc_world makeWorld() {
+sc_world weightlessWorld() {
     sc_world_def def;
     sc_world_def_init(&def);
     def.gravity = {0.0, 0.0};
@@ -49,7 +49,7 @@ sc_world makeWorld() {
     return w;
 }
 
-sc_shell makeShell(sc_world w, double x, double y) {
+sc_shell thinShell(sc_world w, double x, double y) {
     sc_shell_def def;
     sc_shell_def_init(&def);
     def.position = {x, y};
@@ -61,9 +61,9 @@ sc_shell makeShell(sc_world w, double x, double y) {
 } // namespace
 
 TEST_CASE("a picture is the same list each time, and its numbers are those that its operations count", "[c][picture]") {
-    sc_world w = makeWorld();
-    makeShell(w, 0.0, 0.0);
-    makeShell(w, 0.06, 0.0);
+    sc_world w = weightlessWorld();
+    thinShell(w, 0.0, 0.0);
+    thinShell(w, 0.06, 0.0);
     sc_view view;
     sc_view_init(&view);
     std::int32_t n = 7;
@@ -91,8 +91,8 @@ TEST_CASE("a picture is the same list each time, and its numbers are those that 
 }
 
 TEST_CASE("a view of the first version draws, and bad ones are refused with the picture kept", "[c][picture]") {
-    sc_world w = makeWorld();
-    makeShell(w, 0.0, 0.0);
+    sc_world w = weightlessWorld();
+    thinShell(w, 0.0, 0.0);
     sc_view view;
     sc_view_init(&view);
     REQUIRE(sc_picture_make(w, &view) == SC_OK);
@@ -115,7 +115,7 @@ TEST_CASE("a view of the first version draws, and bad ones are refused with the 
 }
 
 TEST_CASE("the sound of a world at rest is silence, and a shell that falls is heard", "[c][sound]") {
-    sc_world w = makeWorld();
+    sc_world w = weightlessWorld();
     std::int32_t n = 0;
     CHECK(sc_sound_samples(w, &n) == nullptr); // not yet on
     CHECK(sc_sound_make(w, 11.0) == SC_BAD_INPUT);
@@ -128,7 +128,7 @@ TEST_CASE("the sound of a world at rest is silence, and a shell that falls is he
         "y": [-0.1, -0.1, 0, 0]}}}]}]})",
                          -1) == SC_OK);
     REQUIRE(sc_world_set_gravity(w, {0.0, -9.81}) == SC_OK);
-    makeShell(w, 0.0, 0.06);
+    thinShell(w, 0.0, 0.06);
     std::vector<float> all;
     std::size_t first = 0;
     for (int i = 0; i < 60; ++i) {

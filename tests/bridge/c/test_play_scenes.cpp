@@ -11,7 +11,7 @@
 
 namespace {
 
-const std::filesystem::path kScenes = std::filesystem::path(SC_SOURCE_DIR) / "scenes/play";
+const std::filesystem::path kPlayScenes = std::filesystem::path(SC_SOURCE_DIR) / "scenes/play";
 
 std::string textOf(const std::filesystem::path& file) {
     std::ostringstream out;
@@ -41,7 +41,7 @@ struct Playing {
 double peakOverUnit(double opening, double friction) {
     const std::string parameters =
         "{\"phi_bar\": " + std::to_string(opening) + ", \"mu\": " + std::to_string(friction) + "}";
-    Playing p(textOf(kScenes / "snap.json"), parameters.c_str());
+    Playing p(textOf(kPlayScenes / "snap.json"), parameters.c_str());
     double peak = 0.0;
     while (!sc_scene_finished(p.scene) && std::string(sc_scene_phase(p.scene)).find("unload") == std::string::npos) {
         REQUIRE(sc_scene_step(p.scene, 1.0 / 60.0, nullptr) == SC_OK);
@@ -56,7 +56,7 @@ double peakOverUnit(double opening, double friction) {
 
 TEST_CASE("every scene of the live page plays ten seconds", "[c][play]") {
     int scenes = 0;
-    for (const auto& file : std::filesystem::directory_iterator(kScenes)) {
+    for (const auto& file : std::filesystem::directory_iterator(kPlayScenes)) {
         CAPTURE(file.path().filename().string());
         const std::string text = textOf(file.path());
         CHECK(std::string(sc_scene_check(text.c_str(), -1, nullptr)) == "[]");

@@ -11,7 +11,8 @@
 
 namespace supercircle::test {
 
-constexpr double kG = 9.81; ///< m/s^2
+constexpr double kG = 9.81;           ///< m/s^2
+constexpr double kFrame = 1.0 / 60.0; ///< s
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 

@@ -11,8 +11,7 @@ using namespace supercircle::test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0; // s
-constexpr double kBudget = 8333.0;    // the default
+constexpr double kBudget = 8333.0; // the default
 
 /// A plate of 10 x 0.4 m whose lower side starts at `height`, and comes down.
 void addPlate(FakeHost& host, double height, double speed) {

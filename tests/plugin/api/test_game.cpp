@@ -15,8 +15,6 @@ using namespace supercircle::test;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0; // s
-
 std::shared_ptr<FakeHost> boxHost(double width) {
     auto host = groundHost();
     for (const int side : {-1, 1})

@@ -11,9 +11,7 @@ using Catch::Contains;
 
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0; ///< s
-
-ShellDef falling(double height = 0.02) {
+ShellDef droppedFrom(double height = 0.02) {
     ShellDef d = dome();
     d.position.y += height;
     return d;
@@ -33,13 +31,13 @@ struct Points : DebugDraw {
 TEST_CASE("Shells that were moved from answer every call with an error", "[plugin]") {
     auto host = groundHost(0.5);
     Shells source(host);
-    const ShellHandle shell = *source.create(falling());
+    const ShellHandle shell = *source.create(droppedFrom());
     const HoldHandle hold = *source.create_clamp(shell, 0.5);
     Shells target(std::move(source));
     CHECK(target.valid(shell));
     for (int round = 0; round < 2; ++round) {
         Shells& s = source; // NOLINT(bugprone-use-after-move): what is tested
-        CHECK_THAT(s.create(falling()).error(), Contains("moved from"));
+        CHECK_THAT(s.create(droppedFrom()).error(), Contains("moved from"));
         CHECK_FALSE(s.destroy(shell));
         CHECK_FALSE(s.destroy(hold));
         CHECK_FALSE(s.valid(shell));
@@ -116,7 +114,7 @@ TEST_CASE("Shells that were moved from answer every call with an error", "[plugi
         (void)s.hash();
         (void)s.id();
         source = Shells(nullptr); // it can be used again, and moved from again
-        CHECK(source.create(falling()));
+        CHECK(source.create(droppedFrom()));
         Shells third(nullptr);
         third = std::move(source);
         CHECK(third.size() == 1);
@@ -128,7 +126,7 @@ TEST_CASE("pre_step(0) is a pause: nothing advances, and no bit changes", "[plug
     auto host = groundHost(0.5), other = groundHost(0.5);
     Shells paused(host), straight(other);
     for (Shells* s : {&paused, &straight})
-        REQUIRE(s->create(falling()));
+        REQUIRE(s->create(droppedFrom()));
     bool touched = false;
     for (int i = 0; i < 40; ++i) {
         advance(paused, host.get(), kFrame, 1);
@@ -156,7 +154,7 @@ TEST_CASE("pre_step(0) is a pause: nothing advances, and no bit changes", "[plug
 TEST_CASE("a force applied before a pause acts in the frame after it", "[plugin]") {
     Shells paused(nullptr), straight(nullptr);
     for (Shells* s : {&paused, &straight}) {
-        const ShellHandle shell = *s->create(falling());
+        const ShellHandle shell = *s->create(droppedFrom());
         REQUIRE(s->apply_force(shell, 0.5, {0.01, 0.0}));
         if (s == &paused)
             CHECK(s->pre_step(0.0).failure.empty());
@@ -169,7 +167,7 @@ TEST_CASE("a pause is replayed from the log", "[plugin]") {
     auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), replayed(other);
     REQUIRE(shells.start_log());
-    REQUIRE(shells.create(falling()));
+    REQUIRE(shells.create(droppedFrom()));
     advance(shells, host.get(), kFrame, 3);
     REQUIRE(shells.pre_step(0.0).failure.empty());
     REQUIRE(shells.post_step());
@@ -183,7 +181,7 @@ TEST_CASE("a pause is replayed from the log", "[plugin]") {
 
 TEST_CASE("a pose between two frames is interpolated and keeps its length", "[plugin]") {
     Shells shells(nullptr);
-    ShellDef d = falling();
+    ShellDef d = droppedFrom();
     d.velocity = {1.0, 0.5};
     d.spin = 3.0;
     const ShellHandle shell = *shells.create(d);
@@ -219,7 +217,7 @@ TEST_CASE("a pose between two frames is interpolated and keeps its length", "[pl
 
 TEST_CASE("no pose smears over a creation, a teleport or a restored state", "[plugin]") {
     Shells shells(nullptr);
-    ShellDef d = falling();
+    ShellDef d = droppedFrom();
     d.velocity = {1.0, 0.0};
     const ShellHandle shell = *shells.create(d);
     advance(shells, nullptr, kFrame, 2);
@@ -239,7 +237,7 @@ TEST_CASE("no pose smears over a creation, a teleport or a restored state", "[pl
 TEST_CASE("a pair filter keeps a shell and a body apart while it says so", "[plugin]") {
     auto host = groundHost(0.5);
     Shells shells(host);
-    const ShellHandle shell = *shells.create(falling());
+    const ShellHandle shell = *shells.create(droppedFrom());
     bool veto = true;
     int asked = 0;
     REQUIRE(shells.set_pair_filter([&](const PairQuery& q) {
@@ -291,7 +289,7 @@ TEST_CASE("a pair filter makes a one-way platform in both qualities", "[plugin]"
 TEST_CASE("a pair filter that throws ends the frame with its message", "[plugin]") {
     auto host = groundHost(0.5);
     Shells shells(host);
-    REQUIRE(shells.create(falling()));
+    REQUIRE(shells.create(droppedFrom()));
     REQUIRE(shells.set_pair_filter([](const PairQuery&) -> bool { throw std::runtime_error("my filter"); }));
     CHECK_THAT(shells.pre_step(kFrame).failure, Contains("my filter"));
     REQUIRE(shells.set_pair_filter({}));
@@ -301,7 +299,7 @@ TEST_CASE("a pair filter that throws ends the frame with its message", "[plugin]
 TEST_CASE("a sleeping shell wakes when its pair filter changes its mind", "[plugin]") {
     auto host = groundHost(0.5);
     Shells shells(host);
-    const ShellHandle shell = *shells.create(falling());
+    const ShellHandle shell = *shells.create(droppedFrom());
     bool veto = false;
     REQUIRE(shells.set_pair_filter([&](const PairQuery&) { return !veto; }));
     settle(shells, host.get());
@@ -316,7 +314,7 @@ TEST_CASE("a sleeping shell wakes when its pair filter changes its mind", "[plug
 TEST_CASE("a belt carries a shell at its speed, is saved and ends", "[plugin]") {
     auto host = groundHost(0.5), other = groundHost(0.5);
     Shells shells(host), fresh(other);
-    const ShellHandle shell = *shells.create(falling(0.002));
+    const ShellHandle shell = *shells.create(droppedFrom(0.002));
     settle(shells, host.get());
     CHECK_FALSE(shells.set_surface_speed(99, 1.0));
     CHECK_FALSE(shells.set_surface_speed(1, kNan));
@@ -350,7 +348,7 @@ TEST_CASE("a belt of one fixture leaves the rest of its body at rest", "[plugin]
     }
     Shells shells(host);
     for (const double x : {-1.0, 1.0}) {
-        ShellDef d = falling(0.002);
+        ShellDef d = droppedFrom(0.002);
         d.position.x = x;
         REQUIRE(shells.create(d));
     }
@@ -371,7 +369,7 @@ TEST_CASE("bad numbers of a host body or of gravity are refused for that frame",
         host->bodies.at(2).state.inertia = 1.0;
         Shells shells(host), plain(other);
         for (Shells* s : {&shells, &plain})
-            REQUIRE(s->create(falling()));
+            REQUIRE(s->create(droppedFrom()));
         advance(shells, host.get(), kFrame, 10);
         advance(plain, other.get(), kFrame, 10);
         const step::BodyState good = host->bodies.at(2).state;
@@ -438,7 +436,7 @@ TEST_CASE("a joint outlives a frame in which its body has bad numbers", "[plugin
 
 TEST_CASE("the origin is shifted for shells without a host, and refused by a host that cannot", "[plugin]") {
     Shells shells(nullptr), plain(nullptr);
-    ShellDef d = falling();
+    ShellDef d = droppedFrom();
     d.spin = 2.0;
     for (Shells* s : {&shells, &plain}) {
         const ShellHandle shell = *s->create(d);

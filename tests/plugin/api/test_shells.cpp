@@ -2,6 +2,7 @@
 
 #include "plugin/api/include/supercircle/shells.hpp"
 #include "supercircle/step/stepper.h"
+#include "tests/plugin/api/support.h"
 #include "tests/support/fake_host.h"
 
 #include <catch2/catch.hpp>
@@ -9,14 +10,12 @@
 #include <stdexcept>
 
 using namespace supercircle;
-using supercircle::test::FakeHost;
+using namespace supercircle::test;
 
 namespace {
 
-std::shared_ptr<FakeHost> groundHost() {
-    auto host = std::make_shared<FakeHost>();
-    host->g = {0.0, -9.81};
-    host->addGround(1, 0.35);
+std::shared_ptr<FakeHost> hostWithPlate() {
+    auto host = groundHost();
     host->add(2, "plate", {0.0, 1.0}).outlines.push_back(FakeHost::box(2, 0.1, 0.01, 0.35));
     return host;
 }
@@ -26,9 +25,6 @@ ShellDef above(double x, double y) {
     d.position = {x, y};
     return d;
 }
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// A host that throws in every query of a body.
 class Broken : public FakeHost {
@@ -58,7 +54,7 @@ TEST_CASE("a shell has the dimensions of its definition", "[plugin]") {
 }
 
 TEST_CASE("bad definitions fail with a reason and change nothing", "[plugin]") {
-    Shells shells(groundHost());
+    Shells shells(hostWithPlate());
     REQUIRE(shells.create(above(0.0, 0.1)));
     const auto refused = [&](const char* what, const auto& spoil) {
         ShellDef d = above(0.5, 0.1);
@@ -162,7 +158,7 @@ TEST_CASE("bad holds are refused", "[plugin]") {
 }
 
 TEST_CASE("only bodies of the host can be attached to the crosshead", "[plugin]") {
-    Shells shells(groundHost());
+    Shells shells(hostWithPlate());
     CHECK(shells.attach_to_crosshead("plate"));
     CHECK_FALSE(shells.attach_to_crosshead("nobody"));
     CHECK_FALSE(Shells(nullptr).attach_to_crosshead("plate"));
@@ -170,7 +166,7 @@ TEST_CASE("only bodies of the host can be attached to the crosshead", "[plugin]"
 }
 
 TEST_CASE("bad frames fail and change nothing", "[plugin]") {
-    auto host = groundHost();
+    auto host = hostWithPlate();
     Shells shells(host);
     const ShellHandle a = *shells.create(above(0.0, 0.1));
     for (const double dt : {-0.1, 5e-324, 1e-15, kNan, kInf}) {
@@ -191,7 +187,7 @@ TEST_CASE("exceptions of host and observer are reported", "[plugin]") {
     Shells shells(broken);
     REQUIRE(shells.create(above(0.0, 0.1)));
     CHECK(shells.pre_step(0.01).failure == "host is broken");
-    Shells other(groundHost());
+    Shells other(hostWithPlate());
     REQUIRE(other.create(above(0.0, 0.1)));
     const FrameReport r = other.pre_step(0.01, []() -> bool { throw std::runtime_error("observer is broken"); });
     CHECK(r.failure == "observer is broken");
@@ -199,7 +195,7 @@ TEST_CASE("exceptions of host and observer are reported", "[plugin]") {
 }
 
 TEST_CASE("an observer ends the frame early", "[plugin]") {
-    Shells shells(groundHost());
+    Shells shells(hostWithPlate());
     REQUIRE(shells.create(above(0.0, 0.1)));
     int seen = 0;
     const FrameReport r = shells.pre_step(0.05, [&] { return ++seen == 3; });
@@ -210,7 +206,7 @@ TEST_CASE("an observer ends the frame early", "[plugin]") {
 }
 
 TEST_CASE("hundreds of shells are created and destroyed", "[plugin]") {
-    auto host = groundHost();
+    auto host = hostWithPlate();
     Shells shells(host);
     std::vector<ShellHandle> alive, dead;
     for (int round = 0; round < 60; ++round) {
@@ -242,7 +238,7 @@ TEST_CASE("hundreds of shells are created and destroyed", "[plugin]") {
 }
 
 TEST_CASE("a shell dropped while others rest leaves them at rest", "[plugin]") {
-    auto host = groundHost();
+    auto host = hostWithPlate();
     Shells shells(host);
     const auto advance = [&](int frames) {
         for (int i = 0; i < frames; ++i) {

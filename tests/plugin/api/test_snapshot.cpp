@@ -14,8 +14,6 @@ using namespace supercircle::test;
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 /// Saves at `saves` random frames out of `frames`, goes on `more` frames from each in the same and in fresh Shells.
 void saveAndReplay(int frames, int saves, int more, unsigned seed) {
     auto host = tumbleHost();

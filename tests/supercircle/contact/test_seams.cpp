@@ -8,9 +8,9 @@ using namespace contact_test;
 
 namespace {
 
-constexpr double kThickness = 0.02;             ///< m
-constexpr double kTolerance = 0.1 * kThickness; ///< m
-constexpr double kFrame = 1.0 / 60.0;           ///< s
+constexpr double kThickShell = 0.02;             ///< m
+constexpr double kTolerance = 0.1 * kThickShell; ///< m
+constexpr double kFrame = 1.0 / 60.0;            ///< s
 
 SeamPiece pieceOf(OutlineKind kind, std::initializer_list<Vec2> points, std::uint64_t body, std::uint32_t key = 0) {
     SeamPiece p;
@@ -18,7 +18,7 @@ SeamPiece pieceOf(OutlineKind kind, std::initializer_list<Vec2> points, std::uin
     p.outline.points = points;
     p.body = body;
     p.key = key;
-    p.thickness = kThickness;
+    p.thickness = kThickShell;
     return p;
 }
 
@@ -73,12 +73,12 @@ TEST_CASE("a small step becomes a slope, a large one stays", "[contact][seams]")
     CHECK(low[0].points[2].y() == Approx(1.0 + 0.5 * kTolerance));
     CHECK(low[1].points[3].y() == Approx(1.0 + 0.5 * kTolerance));
     CHECK(low[1].points[2].y() == 1.0 + kTolerance);
-    const std::vector<Joined> high = joined({boxOf(0, 0, 1, 1, 1), boxOf(1, 0, 2, 1 + kThickness, 2)});
+    const std::vector<Joined> high = joined({boxOf(0, 0, 1, 1, 1), boxOf(1, 0, 2, 1 + kThickShell, 2)});
     CHECK_FALSE(high[0].moved);
     CHECK_FALSE(high[1].moved);
     CHECK(roleOf(high[0], 2) == VertexRole::Alone); // in the valley at the foot of the step
     CHECK(roleOf(high[1], 3) == VertexRole::Alone);
-    CHECK_FALSE(hides(high[1], 3, 0.5 * kThickness));
+    CHECK_FALSE(hides(high[1], 3, 0.5 * kThickShell));
     CHECK(hides(high[1], 3, 0.5));
 }
 

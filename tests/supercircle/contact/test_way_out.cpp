@@ -13,7 +13,7 @@ namespace {
 constexpr double kRound = 1e-9; ///< m, of bodies of the size of 1 m: bisection to 1e-12 of an element
 
 /// A rod of equal arcs.
-RodCurve rod(const Vec2& start, double angle, double length, double curvature = 0.0, bool closed = false) {
+RodCurve rodFrom(const Vec2& start, double angle, double length, double curvature = 0.0, bool closed = false) {
     constexpr int kElements = 16;
     RodCurve c;
     c.halfThickness = 0.005;
@@ -58,9 +58,9 @@ WayOut of(WayKind kind, const std::vector<WayOut>& ways) {
 } // namespace
 
 TEST_CASE("two straight rods part over the nearest of their four ends", "[contact][wayout]") {
-    const RodCurve a = rod({-0.3, 0.0}, 0.0, 1.0); // crosses x = 0 at s = 0.3
+    const RodCurve a = rodFrom({-0.3, 0.0}, 0.0, 1.0); // crosses x = 0 at s = 0.3
     for (const double below : {0.1, 0.45, 0.9}) {
-        const RodCurve b = rod({0.0, -below}, M_PI / 2.0, 1.0); // crosses y = 0 at s = below
+        const RodCurve b = rodFrom({0.0, -below}, M_PI / 2.0, 1.0); // crosses y = 0 at s = below
         const std::vector<WayOut> ways = waysOut(a, b);
         CHECK(of(WayKind::StartOfA, ways).distance == Approx(0.3).margin(kRound));
         CHECK(of(WayKind::EndOfA, ways).distance == Approx(0.7).margin(kRound));
@@ -75,21 +75,21 @@ TEST_CASE("two straight rods part over the nearest of their four ends", "[contac
         const Vec2 expected = below == 0.45 ? Vec2(1.0, 0.0) : below == 0.1 ? Vec2(0.0, -1.0) : Vec2(0.0, 1.0);
         CHECK((way.pushes[0].direction - expected).norm() < kRound);
     }
-    CHECK(waysOut(a, rod({0.0, 0.01}, M_PI / 2.0, 1.0)).empty());
+    CHECK(waysOut(a, rodFrom({0.0, 0.01}, M_PI / 2.0, 1.0)).empty());
 }
 
 TEST_CASE("a shallow bulge goes back, and rings have no other way", "[contact][wayout]") {
-    const RodCurve flat = rod({-1.0, 0.0}, 0.0, 2.0);
+    const RodCurve flat = rodFrom({-1.0, 0.0}, 0.0, 2.0);
     const double R = 1.0, deep = 0.02;
-    const RodCurve bulge = rod({-R, R - deep}, -M_PI / 2.0, M_PI * R, 1.0 / R); // its lowest point is at y = -deep
+    const RodCurve bulge = rodFrom({-R, R - deep}, -M_PI / 2.0, M_PI * R, 1.0 / R); // its lowest point is at y = -deep
     const WayOut way = shortest(waysOut(bulge, flat));
     CHECK(way.kind == WayKind::Back);
     CHECK(way.distance == Approx(deep).margin(kRound));
     REQUIRE(way.pushes.size() == 1);
     CHECK((way.pushes[0].direction - Vec2(0.0, 1.0)).norm() < 1e-6);
 
-    const RodCurve left = rod({-0.6, -1.0}, 0.0, 2.0 * M_PI, 1.0, true),
-                   right = rod({0.9, -1.0}, 0.0, 2.0 * M_PI, 1.0, true);
+    const RodCurve left = rodFrom({-0.6, -1.0}, 0.0, 2.0 * M_PI, 1.0, true),
+                   right = rodFrom({0.9, -1.0}, 0.0, 2.0 * M_PI, 1.0, true);
     const std::vector<WayOut> ways = waysOut(left, right);
     REQUIRE(ways.size() == 1);
     CHECK(ways[0].kind == WayKind::Back);
@@ -127,7 +127,7 @@ TEST_CASE("a rod that crosses itself opens over the end that is nearer to the cr
 
 TEST_CASE("a rod leaves a solid by its nearest face, where contacts lead there", "[contact][wayout]") {
     // Tips of a hoop 0.01 m inside the floor: up, by contacts.
-    const RodCurve hoop = rod({1.0, -0.01}, M_PI / 2.0, M_PI, 1.0);
+    const RodCurve hoop = rodFrom({1.0, -0.01}, M_PI / 2.0, M_PI, 1.0);
     const WayOut up = shortest(waysOut(hoop, box(-5.0, -1.0, 5.0, 0.0)));
     CHECK(up.distance == Approx(0.01).margin(kRound));
     CHECK(up.contactLeads);
@@ -135,14 +135,14 @@ TEST_CASE("a rod leaves a solid by its nearest face, where contacts lead there",
         CHECK((p.direction - Vec2(0.0, 1.0)).norm() < kRound);
 
     // Straight through a thin wall near its top: over the top, which is nearer than the ends, without contacts.
-    const RodCurve through = rod({-0.7, 0.0}, 0.0, 1.4);
+    const RodCurve through = rodFrom({-0.7, 0.0}, 0.0, 1.4);
     const WayOut over = shortest(waysOut(through, box(-0.05, -2.0, 0.05, 0.3)));
     CHECK(over.distance == Approx(0.3).margin(kRound));
     CHECK_FALSE(over.contactLeads);
     CHECK((over.pushes[0].direction - Vec2(0.0, 1.0)).norm() < kRound);
 
     // Through a high one: off the nearer end, to the last point inside (a sample a 1/128 of the rod before the face).
-    const WayOut off = shortest(waysOut(rod({-0.5, 0.0}, 0.0, 1.4), box(-0.05, -2.0, 0.05, 2.0)));
+    const WayOut off = shortest(waysOut(rodFrom({-0.5, 0.0}, 0.0, 1.4), box(-0.05, -2.0, 0.05, 2.0)));
     CHECK(off.kind == WayKind::StartOfA);
     CHECK(off.distance == Approx(0.55).margin(1.4 / 128.0));
     CHECK((off.pushes[0].direction - Vec2(1.0, 0.0)).norm() < kRound);
@@ -155,7 +155,7 @@ TEST_CASE("a rod leaves a solid by its nearest face, where contacts lead there",
 }
 
 TEST_CASE("a rod leaves a segment over the nearest end and a one-sided edge to its front", "[contact][wayout]") {
-    const RodCurve through = rod({-0.7, 0.0}, 0.0, 1.4);
+    const RodCurve through = rodFrom({-0.7, 0.0}, 0.0, 1.4);
     const Outline post = outline(OutlineKind::Segment, {{0.0, -2.0}, {0.0, 0.2}});
     CHECK(of(WayKind::EndOfB, waysOut(through, post)).distance == Approx(0.2).margin(kRound));
     CHECK(of(WayKind::StartOfB, waysOut(through, post)).distance == Approx(2.0).margin(kRound));
@@ -163,8 +163,8 @@ TEST_CASE("a rod leaves a segment over the nearest end and a one-sided edge to i
     CHECK((up.pushes[0].direction - Vec2(0.0, 1.0)).norm() < kRound);
 
     const Outline ledge = outline(OutlineKind::OneSided, {{-1.0, 0.0}, {1.0, 0.0}}); // front above
-    const WayOut front = shortest(waysOut(rod({0.0, -0.4}, M_PI / 2.0, 1.0), ledge));
+    const WayOut front = shortest(waysOut(rodFrom({0.0, -0.4}, M_PI / 2.0, 1.0), ledge));
     CHECK((front.pushes[0].direction - Vec2(0.0, 1.0)).norm() < kRound);
     CHECK_FALSE(front.contactLeads); // they reach one thickness
-    CHECK(shortest(waysOut(rod({0.0, -0.004}, M_PI / 2.0, 1.0), ledge)).contactLeads);
+    CHECK(shortest(waysOut(rodFrom({0.0, -0.004}, M_PI / 2.0, 1.0), ledge)).contactLeads);
 }

@@ -20,15 +20,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Method kMethods[] = {Method::Strategy, Method::GaussSeidel, Method::Accelerated, Method::Path,
                                Method::Newton};
 
-struct Solution {
+struct BilateralSolution {
     SolveReport report;
     Eigen::VectorXd r;
     std::vector<Eigen::VectorXd> v;
 };
 
-Solution solve(const Problem& problem, const SolverOptions& options) {
+BilateralSolution solve(const Problem& problem, const SolverOptions& options) {
     Solver solver;
-    Solution solution;
+    BilateralSolution solution;
     solution.report = solver.solve(problem, options, solution.r, solution.v);
     return solution;
 }
@@ -118,7 +118,7 @@ TEST_CASE("two welded bodies move as one") {
     const double inertia = 0.3 + 0.7 + 2.0 * (ca - centre).squaredNorm() + 3.0 * (cb - centre).squaredNorm();
     const double spin = (0.3 * 4.0 - 0.7 + 2.0 * moment(ca, {1.0, -0.5}) + 3.0 * moment(cb, {-2.0, 0.2})) / inertia;
     for (const Method method : kMethods) {
-        const Solution solution =
+        const BilateralSolution solution =
             solve(problem, {.method = method, .tolerance = 1e-12, .maxGaussSeidelIterations = 5000});
         CAPTURE(std::string(name(method)), solution.report.contactResidual);
         CHECK(solution.report.converged);
@@ -149,7 +149,7 @@ TEST_CASE("a row of hanging bobs pulls, a standing one pushes, and each link car
             problem.contacts.push_back(link);
         }
         for (const Method method : {Method::Strategy, Method::Path, Method::Newton}) {
-            const Solution solution = solve(problem, {.method = method, .tolerance = 1e-11});
+            const BilateralSolution solution = solve(problem, {.method = method, .tolerance = 1e-11});
             CAPTURE(sign, std::string(name(method)), solution.report.contactResidual);
             CHECK(solution.report.converged);
             for (Eigen::Index k = 0; k < count; ++k) {
@@ -179,7 +179,7 @@ TEST_CASE("a crate on a pin with a belt under its far corner") {
         const double side = belt == 0.0 ? 0.0 : belt > 0.0 ? 1.0 : -1.0;
         const double normal = m * g * dt * a / (a + b + side * mu * 2.0 * h);
         for (const Method method : kMethods) {
-            const Solution solution =
+            const BilateralSolution solution =
                 solve(problem, {.method = method, .tolerance = 1e-12, .maxGaussSeidelIterations = 20000});
             CAPTURE(belt, std::string(name(method)), solution.report.contactResidual);
             CHECK(solution.report.converged);
@@ -220,7 +220,7 @@ TEST_CASE("joints alone give the constrained least-change motion") {
         const Eigen::VectorXd r = -W.completeOrthogonalDecomposition().solve(H * free);
         const Eigen::VectorXd expected = free + inverse * (H.transpose() * r);
         for (const Method method : {Method::Strategy, Method::Path, Method::Newton}) {
-            const Solution solution = solve(problem, {.method = method, .tolerance = 1e-10});
+            const BilateralSolution solution = solve(problem, {.method = method, .tolerance = 1e-10});
             CAPTURE(k, std::string(name(method)), solution.report.contactResidual);
             CHECK(solution.report.converged);
             for (Eigen::Index b = 0; b < nb; ++b) // condition of A 100, of W up to some 1e4
@@ -235,11 +235,11 @@ TEST_CASE("all methods agree where joints and contacts mix") {
     generator::Random random(23);
     for (int k = 0; k < 12; ++k) {
         Problem problem = withJoints(generator::cloud({.bodies = 10, .contacts = 24, .mu = 0.0}, random), 4);
-        const Solution fast = solve(problem, {.tolerance = 1e-11});
+        const BilateralSolution fast = solve(problem, {.tolerance = 1e-11});
         CAPTURE(k, fast.report.contactResidual);
         CHECK(fast.report.converged);
         for (const Method method : kMethods) {
-            const Solution solution =
+            const BilateralSolution solution =
                 solve(problem, {.method = method, .tolerance = 1e-11, .maxGaussSeidelIterations = 100000});
             CAPTURE(std::string(name(method)), solution.report.contactResidual);
             CHECK(solution.report.converged);
@@ -263,7 +263,7 @@ TEST_CASE("joints in loaded nests and towers, cold and warm") {
     }
     for (std::size_t i = 0; i < problems.size(); ++i) {
         Problem& problem = problems[i];
-        const Solution solution = solve(problem, {});
+        const BilateralSolution solution = solve(problem, {});
         const Residual independent = evaluateResidual(problem, solution.r);
         CAPTURE(i, solution.report.contactResidual, independent.contactResidual);
         CHECK(solution.report.converged);
@@ -277,7 +277,7 @@ TEST_CASE("joints in loaded nests and towers, cold and warm") {
             if (problem.contacts[c].bilateral() && !problem.contacts[c].locked())
                 CHECK(solution.r[2 * static_cast<Eigen::Index>(c) + 1] == 0.0);
         problem.r0 = solution.r;
-        const Solution again = solve(problem, {});
+        const BilateralSolution again = solve(problem, {});
         CHECK((again.report.converged && again.report.pivots == 0));
     }
 }
@@ -293,7 +293,7 @@ TEST_CASE("a joint under tension is no open contact") {
     for (const double guess : {-2.0, 0.0, 3.0}) {
         problem.r0 = Eigen::Vector2d(guess, 0.7);
         for (const Method method : kMethods) {
-            const Solution solution = solve(problem, {.method = method, .tolerance = 1e-12});
+            const BilateralSolution solution = solve(problem, {.method = method, .tolerance = 1e-12});
             CHECK(solution.report.converged);
             CHECK(solution.r[0] == Approx(-1.0).epsilon(1e-11));
             CHECK(solution.r[1] == 0.0);
@@ -317,7 +317,7 @@ TEST_CASE("contradictory joints are reported") {
         pull.w = {speed, 0.0};
         problem.contacts.push_back(pull);
     }
-    const Solution solution = solve(problem, {});
+    const BilateralSolution solution = solve(problem, {});
     CHECK_FALSE(solution.report.converged);
     CHECK(solution.r.allFinite());
     CHECK(solution.report.penetrationSpeed >= 1.0 - 1e-9); // the best compromise is half the speed

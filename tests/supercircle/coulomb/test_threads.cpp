@@ -21,23 +21,23 @@ void append(Problem& all, const Problem& part) {
     }
 }
 
-struct Solution {
+struct ThreadSolution {
     SolveReport report;
     Eigen::VectorXd r;
     std::vector<Eigen::VectorXd> v;
 };
 
-Solution solve(const Problem& problem, const SolverOptions& options, const parallel::For& loop) {
+ThreadSolution solve(const Problem& problem, const SolverOptions& options, const parallel::For& loop) {
     Solver solver;
-    Solution solution;
+    ThreadSolution solution;
     solution.report = solver.solve(problem, options, solution.r, solution.v, loop);
     return solution;
 }
 
 void checkSame(const Problem& problem, const SolverOptions& options = {}) {
-    const Solution plain = solve(problem, options, {});
+    const ThreadSolution plain = solve(problem, options, {});
     for (const parallel::For& loop : {test::backwards(), test::threads(2), test::threads(5)}) {
-        const Solution other = solve(problem, options, loop);
+        const ThreadSolution other = solve(problem, options, loop);
         CHECK(other.r == plain.r); // bit for bit
         for (std::size_t b = 0; b < plain.v.size(); ++b)
             CHECK(other.v[b] == plain.v[b]);
@@ -64,7 +64,7 @@ TEST_CASE("subdomains on several threads give bitwise identical results") {
     generator::Random random(5);
     Problem problem = generator::nest({.shells = 20, .perPair = 25, .mu = 0.35, .side = 2}, random);
     append(problem, generator::nest({.shells = 3, .perPair = 12}, random));
-    const Solution cold = solve(problem, {}, {});
+    const ThreadSolution cold = solve(problem, {}, {});
     CHECK(cold.report.converged);
     CHECK(cold.report.activeContacts > 280); // otherwise there are no subdomains: they begin at 200 in one island
     checkSame(problem);

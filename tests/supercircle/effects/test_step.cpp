@@ -9,7 +9,7 @@ using namespace supercircle::test;
 
 namespace {
 
-effects::Model modelOf(std::initializer_list<const char*> texts) {
+effects::Model stepModelOf(std::initializer_list<const char*> texts) {
     std::vector<effects::Setting> settings;
     for (const char* text : texts)
         REQUIRE(effects::add(settings, text).empty());
@@ -104,7 +104,7 @@ TEST_CASE("a strip that slides against front and back walls stops after the dist
     const double v = 0.1, f = 0.05;
     rod::RodDefinition d = strip(0.05, 100.0);
     put(w, d, {0.0, 0.0}, 0.0, 0.0, {v, 0.0});
-    effects::Model m = modelOf({"planar_drag:f_N_m=0.05"});
+    effects::Model m = stepModelOf({"planar_drag:f_N_m=0.05"});
     step::setEffects(w, 0, m);
     step::Settings s;
     s.fixedDt = 1e-4;
@@ -120,7 +120,7 @@ TEST_CASE("a strip that slides against front and back walls stops after the dist
 TEST_CASE("an adhesive shell at rest takes one linearisation per step, whatever the number of near points") {
     FakeHost host;
     step::World w = aboveFloor(host, 0.0, {0.0, 0.0});
-    step::setEffects(w, 0, modelOf({"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.002"}));
+    step::setEffects(w, 0, stepModelOf({"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.002"}));
     step::Stepper stepper{step::Settings{}};
     for (int i = 0; i < 200; ++i)
         frame(stepper, w, host, 4e-3);
@@ -136,8 +136,8 @@ TEST_CASE("a world with effects restored from its copy continues bitwise identic
     FakeHost host;
     step::World w = aboveFloor(host, 0.3, {0.05, -0.2});
     step::setEffects(w, 0,
-                     modelOf({"plasticity:My_over_B_1_m=1", "planar_drag:f_N_m=0.02",
-                              "static_friction_excess:mu_s_over_mu_k=1.5", "adhesion:F_a_N_m=0.5"}));
+                     stepModelOf({"plasticity:My_over_B_1_m=1", "planar_drag:f_N_m=0.02",
+                                  "static_friction_excess:mu_s_over_mu_k=1.5", "adhesion:F_a_N_m=0.5"}));
     step::Stepper stepper{step::Settings{}};
     for (int i = 0; i < 12; ++i)
         frame(stepper, w, host, 4e-3);
@@ -158,8 +158,8 @@ TEST_CASE("friction that grows with speed lets a strip creep down a slope at the
     const rod::RodDefinition d = strip(0.05, 100.0);
     step::World w = onSlope(host, d, slope, mu, 1e-6);
     step::setEffects(w, 0,
-                     modelOf({"rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.2",
-                              "rate_dependent_friction:speed_m_s=1e-4"}));
+                     stepModelOf({"rate_dependent_friction:law=logarithmic", "rate_dependent_friction:strength=0.2",
+                                  "rate_dependent_friction:speed_m_s=1e-4"}));
     step::Stepper stepper{step::Settings{}};
     for (int i = 0; i < 25; ++i)
         frame(stepper, w, host, 4e-3);
@@ -179,9 +179,10 @@ TEST_CASE("a contact that is elastic before it slides deflects in proportion to 
     const double mu = 0.3, ratio = 1.5, presliding = 4e-6, slope = std::atan(0.1), heal = 0.05;
     FakeHost host;
     step::World w = onSlope(host, strip(0.05, 100.0), slope, mu, 0.0);
-    step::setEffects(w, 0,
-                     modelOf({"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=1",
-                              "static_friction_excess:tau_heal_s=0.05", "static_friction_excess:presliding_m=4e-6"}));
+    step::setEffects(
+        w, 0,
+        stepModelOf({"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=1",
+                     "static_friction_excess:tau_heal_s=0.05", "static_friction_excess:presliding_m=4e-6"}));
     for (effects::Site& site : w.rods[0].effects.surface.sites)
         site.weakened = 0.8;
     step::Settings s;

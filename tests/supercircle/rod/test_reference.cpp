@@ -28,7 +28,7 @@ RodModel unitRod(int elements, double length, double naturalCurvature, bool clos
     return RodModel(d);
 }
 
-Vec2 pointOf(const RodModel& model, const Eigen::VectorXd& q, double s) {
+Vec2 pointOfReference(const RodModel& model, const Eigen::VectorXd& q, double s) {
     Kinematics kin;
     kin.evaluate(model, q);
     return kin.point(locate(model, s));
@@ -44,7 +44,7 @@ double angleOf(const RodModel& model, const Eigen::VectorXd& q, double s) {
 Eigen::VectorXd naturalFrom(const RodModel& model, double s, double angle) {
     Eigen::VectorXd q = naturalShape(model);
     q = naturalShape(model, Vec2::Zero(), angle - angleOf(model, q, s));
-    return naturalShape(model, -pointOf(model, q, s), q[model.dofTheta()]);
+    return naturalShape(model, -pointOfReference(model, q, s), q[model.dofTheta()]);
 }
 
 struct CantileverError {
@@ -70,7 +70,7 @@ std::vector<CantileverError> cantilever(const std::string& file, int elements, d
         REQUIRE(e.converged());
         CHECK(e.reactions[0].force.y() == Approx(row.at("Gamma")).epsilon(1e-9)); // the clamp carries the weight
         q = e.q;
-        const Vec2 tip = pointOf(model, q, 1.0);
+        const Vec2 tip = pointOfReference(model, q, 1.0);
         const Vec2 exact(row.at("x_tip_over_L"), -row.at("drop_tip_over_L"));
         const Vec2 relative = (tip - exact).cwiseQuotient(exact).cwiseAbs();
         const double angle = angleOf(model, q, 1.0) + row.at("tip_angle_deg") * M_PI / 180.0;
@@ -303,7 +303,7 @@ TEST_CASE("plates: C-shape between plates", "[reference]") {
         const Equilibrium e = solveEquilibrium(model, problem, naturalShape(model, Vec2::Zero(), 0.5 * M_PI));
         INFO("f = " << f << ": " << e.failure);
         REQUIRE(e.converged());
-        const double height = pointOf(model, e.q, 2.0 * sc).y() - pointOf(model, e.q, 0.0).y();
+        const double height = pointOfReference(model, e.q, 2.0 * sc).y() - pointOfReference(model, e.q, 0.0).y();
         CHECK(std::abs(height / row.at("H_over_R") - 1.0) < 0.01);
         CHECK(std::abs(angleOf(model, e.q, 2.0 * sc) - M_PI) < 0.02); // the contact is tangent
         CHECK(e.reactions[0].force.norm() < 1e-9 * (1.0 + f));        // the crown carries nothing

@@ -10,7 +10,7 @@ namespace {
 constexpr double kFrame = 1.0 / 60.0; ///< s
 
 /// Without the damping that games have by default.
-step::Settings settingsOf(bool game) {
+step::Settings settingsOfJoints(bool game) {
     step::Settings s = game ? step::gameSettings() : step::Settings{};
     s.dampingRatio = 0.0;
     return s;
@@ -111,7 +111,7 @@ TEST_CASE("joined strips keep swinging and gain nothing", "[step][joints]") {
              << ", strips " << strips << ", kind " << static_cast<int>(kind) << ", angle " << angle);
         step::World w = chain(strips, angle, kind);
         const double least = energyOf(chain(strips, 0.0, kind)), before = energyOf(w);
-        step::Stepper stepper(settingsOf(game));
+        step::Stepper stepper(settingsOfJoints(game));
         double most = 0.0, gap = 0.0;
         for (int i = 0; i < static_cast<int>(1000.0 * std::sqrt(strips)); ++i) {
             quietFrame(stepper, w);
@@ -141,7 +141,7 @@ TEST_CASE("joined strips whose material stores energy take as many steps as plai
         step::World w = chain(3, 1.5);
         for (std::size_t i = 0; i < w.rods.size(); ++i)
             step::setEffects(w, i, model);
-        step::Stepper stepper(settingsOf(game));
+        step::Stepper stepper(settingsOfJoints(game));
         double work = 0.0;
         for (int i = 0; i < 300; ++i) {
             const step::FrameResult out = stepper.advance(w, kFrame, nullptr, {});
@@ -163,7 +163,7 @@ TEST_CASE("a pinned strip has the period of a pendulum", "[step][joints]") {
     const bool game = GENERATE(false, true);
     for (const double angle : {0.1, 0.5, 1.5}) {
         step::World w = chain(1, angle);
-        step::Stepper stepper(settingsOf(game));
+        step::Stepper stepper(settingsOfJoints(game));
         double last = angle, first = 0.0, end = 0.0;
         int passes = 0;
         while (passes < 11) {
@@ -188,7 +188,7 @@ TEST_CASE("errors of joined strips fall by four when steps are halved", "[step][
     // Strips so stiff that they move as rigid bodies: what bends is far smaller than the errors of the swing.
     const auto tip = [](double dt) {
         step::World w = chain(2, 1.0, step::LinkKind::Pin, true, 1e6);
-        step::Settings s = settingsOf(false);
+        step::Settings s = settingsOfJoints(false);
         s.fixedDt = dt;
         step::Stepper stepper(s);
         for (int i = 0; i < 25; ++i)
@@ -220,7 +220,7 @@ TEST_CASE("strips that spin about a pin keep their angular momentum", "[step][jo
         v.segment<2>(r.model.dofX()) = i == 0 ? Vec2(1.5, 0.0) : Vec2(4.0, 0.0);
         step::placeRod(w, i, r.q, v);
     }
-    step::Stepper stepper(settingsOf(game));
+    step::Stepper stepper(settingsOfJoints(game));
     const double before = angularMomentum(w), energy = energyOf(w);
     const Vec2 drift = momentum(w);
     for (int i = 0; i < 600; ++i)
@@ -236,7 +236,7 @@ TEST_CASE("a joint that breaks lets the strip go as it moves", "[step][joints]")
     const bool game = GENERATE(false, true);
     step::World w = chain(1, 1.5);
     w.links[0].maxForce = 15.0;
-    step::Stepper stepper(settingsOf(game));
+    step::Stepper stepper(settingsOfJoints(game));
     const double before = energyOf(w), least = energyOf(chain(1, 0.0));
     bool broke = false;
     double spin = 0.0;
@@ -263,7 +263,7 @@ TEST_CASE("a tether goes slack and taut and brings in nothing", "[step][joints]"
     l.target.point = {0.0, 0.4};
     l.length = l.goal = 0.8;
     w.links.push_back(l);
-    step::Stepper stepper(settingsOf(game));
+    step::Stepper stepper(settingsOfJoints(game));
     double energy = energyOf(w), gap = 0.0;
     const double least = -0.7 * kG; // hanging straight down: 0.8 m less 0.4 m, and 0.3 m to its middle
     const double allowed = 1e-3 * (energy - least);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDrop = 0.5; ///< m
 
-step::Settings settingsOf(bool game) {
+step::Settings settingsOfImpact(bool game) {
     return game ? step::gameSettings() : step::Settings{};
 }
 
@@ -84,7 +84,7 @@ double rebound(Ring ring, const step::Settings& settings, double frame, double p
 TEST_CASE("a ring rebounds at 60 Hz as in frames a sixteenth as long", "[step][rebound]") {
     const bool game = GENERATE(true, false);
     const int elements = GENERATE(15, 30, 60);
-    const step::Settings s = settingsOf(game);
+    const step::Settings s = settingsOfImpact(game);
     const double fine = rebound(Ring(elements), s, 1.0 / 960.0);
     CAPTURE(game, elements, fine);
     CHECK(fine > 0.25); // backward Euler left 0 in games and a quarter in the laboratory
@@ -96,7 +96,7 @@ TEST_CASE("a ring rebounds at 60 Hz as in frames a sixteenth as long", "[step][r
 
 TEST_CASE("no phase of the impact changes the rebound or gains energy", "[step][rebound]") {
     const bool game = GENERATE(true, false);
-    step::Settings s = settingsOf(game);
+    step::Settings s = settingsOfImpact(game);
     s.dampingRatio = 0.0; // it would hide a gain
     double lowest = 1e9, highest = 0.0;
     for (int k = 1; k <= 20; ++k) {
@@ -113,14 +113,14 @@ TEST_CASE("no phase of the impact changes the rebound or gains energy", "[step][
 
 TEST_CASE("frames that jump by sixteen do not change the rebound", "[step][rebound]") {
     const bool game = GENERATE(true, false);
-    const step::Settings s = settingsOf(game);
+    const step::Settings s = settingsOfImpact(game);
     const double even = rebound(Ring(15), s, 1.0 / 60.0);
     CHECK(rebound(Ring(15), s, 1.0 / 60.0, 1.0, 1.0 / 16.0) == Approx(even).epsilon(game ? 0.1 : 0.02));
 }
 
 TEST_CASE("a ring that has bounced to rest stays on the floor", "[step][rebound]") {
     const bool game = GENERATE(true, false);
-    step::Settings s = settingsOf(game);
+    step::Settings s = settingsOfImpact(game);
     s.dampingRatio = 0.2;
     Ring ring(15);
     step::Stepper stepper(s);
@@ -198,7 +198,7 @@ TEST_CASE("with contacts that keep their status the step is of second order", "[
 
 TEST_CASE("a clamped strip that strikes a stop never gains energy", "[step][rebound]") {
     const bool game = GENERATE(true, false);
-    step::Settings s = settingsOf(game);
+    step::Settings s = settingsOfImpact(game);
     s.dampingRatio = 0.0;
     rod::RodDefinition d;
     d.thickness = 0.007;

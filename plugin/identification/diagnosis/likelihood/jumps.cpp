@@ -8,15 +8,14 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-using Index = Eigen::Index;
-
 std::vector<double> listOf(const Eigen::VectorXd& v) {
     return {v.data(), v.data() + v.size()};
 }
 
+using Index = Eigen::Index;
+
 std::vector<replay::Landmark> whileMoving(const RecordedRun& run, const Eigen::VectorXd& force, double share) {
-    std::vector<replay::Landmark> all =
-        replay::findLandmarks({listOf(run.time), listOf(run.displacement), listOf(force)}, share);
+    std::vector<replay::Landmark> all = replay::findLandmarks(readingsOf(run, force), share);
     all.erase(std::remove_if(all.begin(), all.end(),
                              [&](const replay::Landmark& jump) {
                                  return run.segments.empty() || run.segmentAt(jump.time).speed == 0.0;
@@ -42,6 +41,10 @@ bool beside(const Eigen::Ref<Eigen::VectorXd>& d, const Eigen::VectorXd& time,
 }
 
 } // namespace
+
+experiment::Readings readingsOf(const RecordedRun& run, const Eigen::VectorXd& force) {
+    return {listOf(run.time), listOf(run.displacement), listOf(force)};
+}
 
 bool atReversal(const RecordedRun& run, double time) {
     constexpr double kAfter = 0.1; // natural s

@@ -16,6 +16,9 @@
 
 namespace supercircle::diagnosis {
 
+/// The recorded times and displacements with this force, N.
+experiment::Readings readingsOf(const RecordedRun& run, const Eigen::VectorXd& force);
+
 /// Whether the drive reverses or stops near this time. A jump there is friction or viscosity changing sign, known to a
 /// row.
 bool atReversal(const RecordedRun& run, double time);

@@ -12,10 +12,6 @@ namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::infinity();
 
-std::vector<double> listOf(const Eigen::VectorXd& v) {
-    return {v.data(), v.data() + v.size()};
-}
-
 /// Largest change of the simulated force from row to row within two rows, N.
 double steepest(const Eigen::VectorXd& force, Eigen::Index k) {
     double most = 0.0;
@@ -53,7 +49,7 @@ void excludeMarkers(const RecordedRun& run, double from, double to, ModelError& 
 /// @param least smallest jump elsewhere, N
 void excludeSnaps(const RecordedRun& run, const Eigen::VectorXd& force, double noise, double least,
                   const LikelihoodSettings& s, ModelError& out) {
-    const experiment::Readings readings{listOf(run.time), listOf(run.displacement), listOf(force)};
+    const experiment::Readings readings = readingsOf(run, force);
     const double dt = run.spacing(), snap = std::max(least, s.snapShare * rangeOf(force));
     for (const replay::Landmark& jump : replay::findLandmarks(readings, 0.0)) {
         const bool turns = atReversal(run, jump.time);

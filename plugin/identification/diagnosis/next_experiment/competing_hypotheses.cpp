@@ -12,7 +12,7 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-constexpr std::size_t kMost = 4;
+constexpr std::size_t kMostRivals = 4;
 constexpr double kSmallestProbability = 0.02; ///< smallest probability that is worth a run
 
 CompetingHypothesis hypothesisOf(const Model& model, const Likelihood& likelihood, const std::string& label,
@@ -37,7 +37,7 @@ std::vector<CompetingHypothesis> promisingHypotheses(Evaluator& evaluator, const
     double least = std::numeric_limits<double>::infinity();
     for (const ScreenedProbe* s : best) {
         const std::string& label = candidates[s->candidate].label;
-        if (out.size() == kMost || s->gain < best.front()->gain - kFar || evaluator.stopped())
+        if (out.size() == kMostRivals || s->gain < best.front()->gain - kFar || evaluator.stopped())
             break;
         if (std::any_of(out.begin(), out.end(), [&](const CompetingHypothesis& r) { return r.label == label; }))
             continue;
@@ -63,7 +63,7 @@ std::vector<CompetingHypothesis> competingHypotheses(Evaluator& evaluator, const
                                                      const std::vector<ScreenedProbe>& screened, double adequate) {
     std::vector<CompetingHypothesis> out;
     std::set<const FittedHypothesis*> used; // effects of one model are one hypothesis
-    for (std::size_t i = 0; i < reported.size() && out.size() < kMost && adequate < 0.5; ++i) {
+    for (std::size_t i = 0; i < reported.size() && out.size() < kMostRivals && adequate < 0.5; ++i) {
         const ReportedEffect& n = reported[i];
         if ((n.confounded || n.probability >= kSmallestProbability) && used.insert(n.hypothesis).second)
             out.push_back(hypothesisOf(evaluator.model(), likelihood, n.label, n.hypothesis->fit,
@@ -77,11 +77,11 @@ std::vector<CompetingHypothesis> competingHypotheses(Evaluator& evaluator, const
         out.back().mirrorImage = true;
     }
     const double first = out.empty() ? 1.0 : out.front().weight;
-    if (out.size() < kMost)
+    if (out.size() < kMostRivals)
         for (CompetingHypothesis& r : promisingHypotheses(evaluator, likelihood, base, reported, screened)) {
             const bool known =
                 std::any_of(out.begin(), out.end(), [&](const CompetingHypothesis& o) { return o.label == r.label; });
-            if (known || out.size() == kMost)
+            if (known || out.size() == kMostRivals)
                 continue;
             r.weight *= first;
             out.push_back(std::move(r));

@@ -16,10 +16,6 @@ constexpr double kDecisive = 10.0;
 /// One step of rank (a word of the heading) counts as much as decisive evidence of the values.
 constexpr double kRankStep = 10.0;
 
-void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
-    t.remarks.push_back({kind, line, what});
-}
-
 /// Values of a column in lines spread over the file, as they stand there.
 std::vector<double> sampleOf(const Draft& d, std::size_t column) {
     const Layout& l = d.table.layout;

@@ -10,10 +10,6 @@ namespace supercircle::importing {
 
 namespace {
 
-void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
-    t.remarks.push_back({kind, line, what});
-}
-
 bool sameQuantity(const Heading& a, const Heading& b) {
     return a.quantity == b.quantity && a.marker == b.marker;
 }

@@ -16,10 +16,6 @@ constexpr double kManyPartly =
     0.02; ///< of the rows; halved: four bad cells of a short file are a doubt; doubled: 3 in 100 are not
 constexpr std::size_t kLongestLine = std::size_t{1} << 20; ///< bytes; 4096 columns take a tenth of it
 
-void remark(Table& t, Remark::Kind kind, std::size_t line, const std::string& what) {
-    t.remarks.push_back({kind, line, what});
-}
-
 bool looksLikeNumber(std::string_view cell) {
     const std::size_t sign = !cell.empty() && (cell[0] == '-' || cell[0] == '+') ? 1 : 0;
     return cell.size() > sign && cell[sign] >= '0' && cell[sign] <= '9';

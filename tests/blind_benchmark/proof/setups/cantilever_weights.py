@@ -136,7 +136,7 @@ def _gradient(draw):
 
 
 def _plastic(draw):
-    return lambda a: Effect("plasticity", {"yield_stress_Pa": 9e8 / (1.0 + 0.3 * a)}, "another law")
+    return lambda a: Effect("plasticity", {"yield_stress_Pa": 4e8 / (1.0 + 0.3 * a)}, "another law")
 
 
 def _bend(draw):
@@ -146,7 +146,7 @@ def _bend(draw):
 
 
 FAMILIES = [
-    Family("plasticity", "plasticity", _plastic, 8.0),
+    Family("plasticity", "plasticity", _plastic, 12.0),
     Family("bend", "natural_curvature_defect", _bend, 30.0),
     Family("damage", "local_damage", _damage, 9.0),
     Family("gradient", "stiffness_gradient", _gradient, 16.0),

@@ -23,15 +23,15 @@ using namespace supercircle::diagnosis;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kRadiansInDegree = 3.14159265358979323846 / 180.0;
 
 /// A rod released at three angles; readings are empty.
 experiment::Experiment pendulum() {
     experiment::Experiment e = test::pendulum({0.124, 0.003});
-    e.scene->zero.halfWidth = 0.5 * kDegree;
-    e.sensors.forceNoise = 0.1 * kDegree;
+    e.scene->zero.halfWidth = 0.5 * kRadiansInDegree;
+    e.sensors.forceNoise = 0.1 * kRadiansInDegree;
     for (const double angle : {-60.0, -110.0, -150.0})
-        test::addSwing(e, 4.0, 100.0, {angle * kDegree, 0.3 * kDegree}, {0.0, 0.2});
+        test::addSwing(e, 4.0, 100.0, {angle * kRadiansInDegree, 0.3 * kRadiansInDegree}, {0.0, 0.2});
     return e;
 }
 
@@ -41,7 +41,7 @@ void record(experiment::Experiment& e, const replay::Parameters& truth, std::uin
     for (std::size_t r = 0; r < e.runs.size(); ++r) {
         e.runs[r].readings = replay::simulate(e, r, truth, replay::Resolution::fine()).readings;
         for (double& v : e.runs[r].readings.force)
-            v = 0.09 * kDegree * std::round((v / kDegree + 0.08 * random.normal()) / 0.09);
+            v = 0.09 * kRadiansInDegree * std::round((v / kRadiansInDegree + 0.08 * random.normal()) / 0.09);
     }
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("a pendulum fit converges to one minimum from every start", "[diagnosi
     // there.
     experiment::Experiment e = pendulum();
     e.scene->parameters[0].stated.halfWidth = 0.006;
-    e.scene->zero.halfWidth = kDegree;
+    e.scene->zero.halfWidth = kRadiansInDegree;
     for (experiment::Run& run : e.runs)
         run.parameters[1].stated.halfWidth = 1.5;
     replay::Parameters truth = replay::nominal(e);

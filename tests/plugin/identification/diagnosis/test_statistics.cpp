@@ -435,9 +435,9 @@ TEST_CASE("runs that repeat one another are left out together", "[diagnosis]") {
 }
 
 /// A spring whose fast run takes another branch for a weak dashpot, unknown to the derivatives of coarse simulations.
-class Branching : public toy::Spring {
+class TwoBranches : public toy::Spring {
 public:
-    Branching(const RecordedData& data, double threshold) : toy::Spring(data), threshold_(threshold) {}
+    TwoBranches(const RecordedData& data, double threshold) : toy::Spring(data), threshold_(threshold) {}
     [[nodiscard]] Response simulate(std::size_t r, const ParameterPoint& p, Fidelity fidelity,
                                     const std::atomic<bool>* stop) const override {
         Response out = toy::Spring::simulate(r, p, fidelity, stop);
@@ -464,7 +464,7 @@ TEST_CASE("cross-validation survives a branch change in the left-out run", "[dia
             return std::pair(fitted.point, crossValidate(evaluator, likelihood, groupingOf(likelihood), fitted));
         };
         const auto [best, straight] = leftOut(toy::Spring(data), ParameterPoint{{103.0, 0.08}, {{0, {5.0}}}});
-        const auto [same, bent] = leftOut(Branching(data, 0.95 * best.terms[0].values[0]), best);
+        const auto [same, bent] = leftOut(TwoBranches(data, 0.95 * best.terms[0].values[0]), best);
         CAPTURE(seed);
         REQUIRE(same.terms[0].values[0] == Approx(best.terms[0].values[0]).epsilon(1e-3));
         const double apart = bent.score(1.0).sum() - straight.score(1.0).sum();

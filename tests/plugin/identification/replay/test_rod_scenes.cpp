@@ -1,4 +1,4 @@
-// Shipped scenes with shells against closed forms, played as experiments describe them.
+// Shipped scenes with shells against closed forms, playedRods as experiments describe them.
 
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
@@ -33,7 +33,7 @@ struct Described {
     }
 };
 
-replay::Simulated played(const experiment::Experiment& e) {
+replay::Simulated playedRods(const experiment::Experiment& e) {
     auto out = replay::simulate(e, 0, replay::nominal(e), replay::Resolution::fine());
     REQUIRE(out.failure == "");
     return out;
@@ -50,7 +50,7 @@ double forceAfter(const std::string& scene, const std::string& parameters, doubl
                       "time_s,force_N\n0,0\n5,1\n9.9,2\n10,3\n",
                       more,
                       R"(, "drive_time_s": [0, 10], "drive_displacement_mm": [0, )" + mm + "]"};
-    return played(d.loaded()).readings.force.back();
+    return playedRods(d.loaded()).readings.force.back();
 }
 
 double modulus(double young, double width, double thickness) {
@@ -122,7 +122,7 @@ TEST_CASE("weights at the end of a cantilever bend it as the elastica", "[replay
                       R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
                       ""};
     const auto e = d.loaded();
-    const auto out = played(e);
+    const auto out = playedRods(e);
     REQUIRE(out.readings.force.size() == table.size());
     for (std::size_t i = 0; i < table.size(); ++i)
         CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
@@ -138,7 +138,7 @@ TEST_CASE("a cantilever with a natural curvature is clamped level", "[replay][ro
                       R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
                       ""};
     // Without a load it is an arc that leaves the clamp along x. It settles to 1e-6 of its length.
-    CHECK(played(d.loaded()).readings.force[1] ==
+    CHECK(playedRods(d.loaded()).readings.force[1] ==
           Approx((1.0 - std::cos(curvature * length)) / curvature).margin(1e-6 * length));
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("a table needs no clock: the elastica at its weights, whatever time pa
                        R"("drive": {"parameter": "weight", "column": "weight_g", "scale": 9.81e-3}, )",
                        ""}
                  .loaded();
-    const auto out = played(e);
+    const auto out = playedRods(e);
     REQUIRE(out.readings.force.size() == table.size());
     for (std::size_t i = 0; i < table.size(); ++i) // as with times: 48 arcs err by 2e-4
         CHECK(-out.readings.force[i] / length == Approx(table[i].second).epsilon(3e-4).margin(1e-4));
@@ -168,7 +168,7 @@ TEST_CASE("a table needs no clock: the elastica at its weights, whatever time pa
         for (std::vector<double>* times : {&run.driveTime, &run.readings.time})
             for (double& t : *times)
                 t *= factor;
-        const auto again = played(other);
+        const auto again = playedRods(other);
         for (std::size_t i = 0; i < table.size(); ++i) // rest is rest: what is left of vibration
             CHECK(again.readings.force[i] == Approx(out.readings.force[i]).margin(1e-5 * length));
     }
@@ -208,7 +208,7 @@ TEST_CASE("a released cantilever vibrates with its own frequency and damping", "
         auto e = d.loaded();
         e.runs.front().readings = {};
         e.runs.front().samplingRate = 4000.0;
-        const experiment::Readings r = played(e).readings;
+        const experiment::Readings r = playedRods(e).readings;
         std::vector<std::pair<double, double>> out; // of upward zero crossings: time, largest elongation since
         for (std::size_t i = 1; i < r.time.size(); ++i) {
             if (r.force[i - 1] < 0.0 && r.force[i] >= 0.0)
@@ -247,7 +247,8 @@ TEST_CASE("a load acts on a scene in motion that starts as it is placed", "[repl
     INFO(e.error());
     REQUIRE(e);
     const double mass = 1270.0 * 0.01 * 0.002 * 0.1;
-    CHECK(played(*e).readings.force.back() == Approx(0.5 * 1e-4 / mass * 0.04).epsilon(1e-6)); // along the strip: rigid
+    CHECK(playedRods(*e).readings.force.back() ==
+          Approx(0.5 * 1e-4 / mass * 0.04).epsilon(1e-6)); // along the strip: rigid
 }
 
 TEST_CASE("scenes with shells that experiments cannot simulate are refused with the reason", "[replay][rods]") {

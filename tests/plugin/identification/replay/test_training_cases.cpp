@@ -33,10 +33,10 @@ experiment::Experiment training(int number) {
 }
 
 /// Compliance of both simulators: see test_baseline.cpp.
-double seriesCompliance(const experiment::Experiment& e) {
+double seriesComplianceOf(const experiment::Experiment& e) {
     switch (e.protocol) {
     case experiment::Protocol::StripOnRigidFloor:
-        return 0.0; // see contactCompliance()
+        return 0.0; // see contactComplianceOf()
     case experiment::Protocol::ArchBetweenPlates:
         return 1.5e-5;
     default:
@@ -44,7 +44,7 @@ double seriesCompliance(const experiment::Experiment& e) {
     }
 }
 
-double contactCompliance(const experiment::Experiment& e) {
+double contactComplianceOf(const experiment::Experiment& e) {
     return replay::nominal(e).touchCompliance + (e.protocol == experiment::Protocol::StripOnRigidFloor ? 1e-5 : 0.0);
 }
 
@@ -87,8 +87,8 @@ replay::Parameters truth(const experiment::Experiment& e, const Json& answer) {
     }
     p.friction = t["friction"];
     p.gapShift = t["initial_gap_shift_m"];
-    p.seriesCompliance = seriesCompliance(e);
-    p.touchCompliance = contactCompliance(e);
+    p.seriesCompliance = seriesComplianceOf(e);
+    p.touchCompliance = contactComplianceOf(e);
     for (const std::string& text : effectOf(answer)) {
         INFO(text);
         REQUIRE(effects::add(p.effects, text).empty());

@@ -50,7 +50,7 @@ struct Loaded {
     std::string text; ///< all problems and notes
 };
 
-Loaded load(const std::string& runs, const std::string& text = description()) {
+Loaded loadRuns(const std::string& runs, const std::string& text = description()) {
     const Folder folder;
     folder.write("run_1.csv", runs);
     std::vector<scene::Problem> problems;
@@ -72,35 +72,35 @@ void refused(const Loaded& l, const std::string& words) {
 } // namespace
 
 TEST_CASE("a valid recording has no remarks", "[experiment][health]") {
-    const Loaded l = load(csv({}));
+    const Loaded l = loadRuns(csv({}));
     INFO(l.text);
     REQUIRE(l.experiment);
     CHECK(l.text.empty());
 }
 
 TEST_CASE("an empty recording is refused", "[experiment][health]") {
-    refused(load(""), "run_1.csv:1:1: no header line");
-    refused(load("time_s,displacement_mm,force_N\n"), "a header and no rows");
-    refused(load("time_s,displacement_mm,force_N\n0,0,0\n"), "one row");
+    refused(loadRuns(""), "run_1.csv:1:1: no header line");
+    refused(loadRuns("time_s,displacement_mm,force_N\n"), "a header and no rows");
+    refused(loadRuns("time_s,displacement_mm,force_N\n0,0,0\n"), "one row");
 }
 
 TEST_CASE("a constant force is refused", "[experiment][health]") {
     Made m;
     m.force = [](double) { return 0.25; };
-    refused(load(csv(m)), "force_N is 0.25 in every row; expected a force that changes");
+    refused(loadRuns(csv(m)), "force_N is 0.25 in every row; expected a force that changes");
 }
 
 TEST_CASE("a constant displacement is refused", "[experiment][health]") {
     Made m;
     m.displacementFactor = 0.0;
-    refused(load(csv(m)), "displacement_mm is 0 in every row, though drive_displacement_mm moves by 24 mm");
+    refused(loadRuns(csv(m)), "displacement_mm is 0 in every row, though drive_displacement_mm moves by 24 mm");
 }
 
 TEST_CASE("missing samples are ignored, with a note", "[experiment][health]") {
     std::string text = csv({});
     text = with(text, "\n10.0000000,18.000000,", "\n10.0000000,nan,nan #");
     text = text.replace(text.find(" #"), text.find('\n', text.find(" #")) - text.find(" #"), "");
-    const Loaded l = load(text);
+    const Loaded l = loadRuns(text);
     INFO(l.text);
     REQUIRE(l.experiment);
     CHECK_THAT(l.text, Contains("note: 1 of 650 values of force_N are missing") &&
@@ -113,50 +113,50 @@ TEST_CASE("missing samples are ignored, with a note", "[experiment][health]") {
 TEST_CASE("a force that is mostly missing is refused", "[experiment][health]") {
     Made m;
     m.force = [](double t) { return t < 8.0 ? 0.01 * t : std::nan(""); };
-    refused(load(csv(m)), "450 of 650 values of force_N are missing");
+    refused(loadRuns(csv(m)), "450 of 650 values of force_N are missing");
 }
 
 TEST_CASE("decreasing times are refused with their line", "[experiment][health]") {
-    refused(load(with(csv({}), "\n10.0000000,", "\n9.0000000,")),
+    refused(loadRuns(with(csv({}), "\n10.0000000,", "\n9.0000000,")),
             "run_1.csv:252:1: time_s of row 251 (9) is not later than that of the row before it (9.96)");
-    refused(load(with(csv({}), "\n10.0000000,", "\nnan,")), "run_1.csv:252:1: time_s of row 251 is missing");
+    refused(loadRuns(with(csv({}), "\n10.0000000,", "\nnan,")), "run_1.csv:252:1: time_s of row 251 is missing");
 }
 
 TEST_CASE("another unit of length is recognised against the commanded motion", "[experiment][health]") {
     Made m;
     m.displacementFactor = 1e-3;
-    refused(load(csv(m)), "displacement_mm is 0.001 times drive_displacement_mm: it appears to be in metres");
+    refused(loadRuns(csv(m)), "displacement_mm is 0.001 times drive_displacement_mm: it appears to be in metres");
     m.displacementFactor = 1.0 / 25.4;
-    refused(load(csv(m)), "it appears to be in inches");
+    refused(loadRuns(csv(m)), "it appears to be in inches");
     m.displacementFactor = -1.0;
-    refused(load(csv(m)), "displacement_mm runs against drive_displacement_mm");
+    refused(loadRuns(csv(m)), "displacement_mm runs against drive_displacement_mm");
 }
 
 TEST_CASE("another unit of force is recognised by size and noise together", "[experiment][health]") {
     // kilonewtons; B/R^2 is 0.6 N, the stated noise 1 mN
     Made m;
     m.force = [](double t) { return 1e-3 * (0.06 * std::sin(M_PI * t / 26.0) + 1e-3 * std::sin(1e4 * t * t)); };
-    refused(load(csv(m)), "it appears to be in kilonewtons");
-    refused(load(csv(m)), "\"force_unit_confirmed\": true in /sensors (import: --accept units)");
-    const Loaded confirmed = load(csv(m), with(description(), "\"force_noise_std_N_approx\"",
-                                               "\"force_unit_confirmed\": true, \"force_noise_std_N_approx\""));
+    refused(loadRuns(csv(m)), "it appears to be in kilonewtons");
+    refused(loadRuns(csv(m)), "\"force_unit_confirmed\": true in /sensors (import: --accept units)");
+    const Loaded confirmed = loadRuns(csv(m), with(description(), "\"force_noise_std_N_approx\"",
+                                                   "\"force_unit_confirmed\": true, \"force_noise_std_N_approx\""));
     CHECK(confirmed.experiment);
     CHECK_THAT(confirmed.text, Contains("note: the largest force"));
     m.force = [](double t) { return 6e-5 * std::sin(M_PI * t / 26.0); }; // no noise: only a doubt
-    const Loaded l = load(csv(m));
+    const Loaded l = loadRuns(csv(m));
     CHECK(l.experiment);
     CHECK_THAT(l.text, Contains("note: the largest force") && Contains("is it in kilonewtons?"));
 }
 
 TEST_CASE("a motion other than commanded is refused where it differs most", "[experiment][health]") {
-    const Loaded l = load(csv({}), with(description(), "    13.0,\n", "    19.0,\n"));
+    const Loaded l = loadRuns(csv({}), with(description(), "    13.0,\n", "    19.0,\n"));
     INFO(l.text);
     CHECK_FALSE(l.experiment);
     CHECK_THAT(l.text, Contains("12 mm off the commanded motion at 19 s (12 mm, commanded 24 mm)"));
 }
 
 TEST_CASE("a wrong sampling rate is corrected from the times", "[experiment][health]") {
-    const Loaded l = load(csv({}), description("100"));
+    const Loaded l = loadRuns(csv({}), description("100"));
     REQUIRE(l.experiment);
     CHECK_THAT(l.text, Contains("note: sampling_hz says 100 Hz, the times of the rows 25 Hz"));
     CHECK(l.experiment->runs[0].samplingRate == Approx(25.0));
@@ -165,7 +165,7 @@ TEST_CASE("a wrong sampling rate is corrected from the times", "[experiment][hea
 TEST_CASE("very many rows are averaged in blocks, with a note", "[experiment][health]") {
     Made m;
     m.rate = 5000.0;
-    const Loaded l = load(csv(m), description("5000"));
+    const Loaded l = loadRuns(csv(m), description("5000"));
     INFO(l.text);
     REQUIRE(l.experiment);
     CHECK_THAT(l.text, Contains("note: 130000 rows are more than a simulation resolves: blocks of 3 are averaged"));
@@ -179,7 +179,7 @@ TEST_CASE("very many rows are averaged in blocks, with a note", "[experiment][he
 TEST_CASE("ten million rows are read", "[experiment][health][slow]") {
     Made m;
     m.rate = 1e7 / 26.0;
-    const Loaded l = load(csv(m), description("384615.4"));
+    const Loaded l = loadRuns(csv(m), description("384615.4"));
     INFO(l.text);
     REQUIRE(l.experiment);
     CHECK(l.experiment->runs[0].readings.time.size() <= experiment::maxRows);
@@ -228,38 +228,39 @@ TEST_CASE("statements that contradict each other are found", "[experiment][healt
 
 TEST_CASE("other file formats are reported with the tool that reads them", "[experiment][health]") {
     const std::string good = csv({});
-    refused(load(std::string("t\0i\0m\0e\0", 8)), "run_1.csv:1:1: there are zero bytes in it");
+    refused(loadRuns(std::string("t\0i\0m\0e\0", 8)), "run_1.csv:1:1: there are zero bytes in it");
     std::string text = good;
     std::replace(text.begin(), text.end(), ',', ';');
-    refused(load(text),
+    refused(loadRuns(text),
             "run_1.csv:1:1: cells are separated by semicolons; expected commas; `supercircle import` reads");
     std::replace(text.begin(), text.end(), ';', '\t');
-    refused(load(text), "cells are separated by tabs");
+    refused(loadRuns(text), "cells are separated by tabs");
     text = good;
     std::replace(text.begin(), text.end(), '\n', '\r');
-    refused(load(text), "run_1.csv:1:1: its lines end with a carriage return alone");
-    refused(load("ab\x01" + good), "run_1.csv:1:3: a control character");
+    refused(loadRuns(text), "run_1.csv:1:1: its lines end with a carriage return alone");
+    refused(loadRuns("ab\x01" + good), "run_1.csv:1:3: a control character");
 }
 
 TEST_CASE("a single impossible force is refused with its row", "[experiment][health]") {
     Made m;
     m.force = [](double t) { return std::abs(t - 10.0) < 1e-9 ? 1e300 : 0.06 * std::sin(M_PI * t / 26.0); };
-    refused(load(csv(m)), "run_1.csv:252:1: force_N is 1e+300 in this row, and below a hundredth of it in all others");
+    refused(loadRuns(csv(m)),
+            "run_1.csv:252:1: force_N is 1e+300 in this row, and below a hundredth of it in all others");
 }
 
 TEST_CASE("infinite values count as missing", "[experiment][health]") {
-    const Loaded l = load(with(csv({}), "\n10.0000000,18.000000,", "\n10.0000000,-inf,"));
+    const Loaded l = loadRuns(with(csv({}), "\n10.0000000,18.000000,", "\n10.0000000,-inf,"));
     CHECK_THAT(l.text, Contains("note: 1 of 650 values of displacement_mm are missing or infinite"));
 }
 
 TEST_CASE("intervals without samples are noted", "[experiment][health]") {
     const std::string good = csv({});
-    Loaded l = load(good.substr(0, good.find("\n12.0000000,") + 1));
+    Loaded l = loadRuns(good.substr(0, good.find("\n12.0000000,") + 1));
     CHECK(l.experiment);
     CHECK_THAT(l.text, Contains("note: there are samples from 0 to 11.96 s of a motion from 0 to 26 s"));
     std::string text = good;
     const std::size_t from = text.find("\n5.0000000,"), to = text.find("\n7.0000000,");
-    l = load(text.erase(from, to - from));
+    l = loadRuns(text.erase(from, to - from));
     CHECK(l.experiment);
     CHECK_THAT(l.text, Contains("note: 1 gap in the samples, the longest from 4.96 to 7 s; nothing is compared there"));
 }
@@ -267,7 +268,7 @@ TEST_CASE("intervals without samples are noted", "[experiment][health]") {
 TEST_CASE("a force with a wrong sign is noted", "[experiment][health]") {
     Made m;
     m.force = [](double t) { return -0.06 * std::sin(M_PI * t / 26.0); };
-    const Loaded l = load(csv(m));
+    const Loaded l = loadRuns(csv(m));
     CHECK(l.experiment);
     CHECK_THAT(l.text, Contains("note: force_N falls first") && Contains("is its sign wrong?"));
 }

@@ -109,4 +109,12 @@ inline void checkValues(const importing::ImportedRun& run, double slack = 1e-6, 
     }
 }
 
+/// What is read of an export; it must be readable.
+inline importing::Imported imported(const std::string& text, const importing::Hints& hints = {}) {
+    auto all = read(text, hints);
+    INFO(all.error());
+    REQUIRE(all);
+    return *all;
+}
+
 } // namespace importingtest

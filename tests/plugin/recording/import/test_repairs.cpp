@@ -22,13 +22,6 @@ std::string changed(const Change& change) {
 
 const double none = std::nan("");
 
-importing::Imported imported(const std::string& text, const importing::Hints& hints = {}) {
-    auto all = read(text, hints);
-    INFO(all.error());
-    REQUIRE(all);
-    return *all;
-}
-
 } // namespace
 
 TEST_CASE("a clock that was set back continues", "[importing]") {

@@ -7,13 +7,6 @@ using Catch::Contains;
 
 namespace {
 
-importing::Imported imported(const std::string& text, const importing::Hints& hints = {}) {
-    auto all = read(text, hints);
-    INFO(all.error());
-    REQUIRE(all);
-    return *all;
-}
-
 /// Rows of the known run, written by `row`.
 template <class Row>
 std::string table(const std::string& head, const Row& row) {

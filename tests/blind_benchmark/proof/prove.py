@@ -10,11 +10,12 @@ import hashlib
 import json
 import os
 import pathlib
-import resource
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -108,16 +109,23 @@ def rows_of(experiment):
 
 
 def run_program(words, seconds):
-    """(exit code or 'time-out', CPU seconds, last line). Ctrl-C reaches the program too and ends this one."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    try:
-        done = subprocess.run(words, capture_output=True, text=True, timeout=seconds)
-        code, text = done.returncode, (done.stderr.strip() or done.stdout.strip())
-    except subprocess.TimeoutExpired:
-        code, text = "time-out", f"longer than {seconds} s"
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return code, used, text.splitlines()[-1] if text else ""
+    """(exit code or 'time-out', CPU seconds, last line). Ctrl-C reaches the program too."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        begun = subprocess.Popen(words, stdout=out, stderr=err)
+        late = threading.Event()
+        timer = threading.Timer(seconds, lambda: (late.set(), begun.kill()))
+        timer.start()
+        _, status, used = os.wait4(begun.pid, 0)  # of this program alone: others run beside it
+        timer.cancel()
+        begun.returncode = os.waitstatus_to_exitcode(status)
+        text = ""
+        for file in (out, err):  # errors come last
+            file.seek(0)
+            text = file.read().strip() or text
+    code = "time-out" if late.is_set() else begun.returncode
+    if late.is_set():
+        text = f"longer than {seconds} s"
+    return code, used.ru_utime + used.ru_stime, text.splitlines()[-1] if text else ""
 
 
 def process_error(program, case, to):
@@ -132,27 +140,51 @@ def process_error(program, case, to):
     return rivals.process_error([to / "baseline" / f"{name}_replay.csv" for name in names])
 
 
+def diagnose_one(folder, program, name):
+    """Diagnoses a case by one thread; its CPU seconds, written with its diagnosis."""
+    to, recordings = folder / "diagnoses" / name, folder / "cases" / name
+    shutil.rmtree(to, ignore_errors=True)  # a cache of a stopped diagnosis would make it look cheap
+    # Left out of the catalogue is known before the diagnosis; it is no part of the answer that would help.
+    without = json.loads((folder / "answers" / f"{name}.json").read_text()).get("without", [])
+    words = [program, "diagnose", str(recordings / "experiment.json"), "--out", str(to), "--jobs", "1",
+             "--skip-next-experiment", "--quiet"]
+    code, cpu, message = run_program(words + [w for label in without for w in ("--without", label)], PATIENCE)
+    if code in (130, -signal.SIGINT):
+        raise KeyboardInterrupt
+    result = {"exit": "done" if code == 0 else f"refused ({code})" if code != "time-out" else code, "cpu_s": cpu,
+              "message": message, "rows": rows_of(recordings / "experiment.json")}
+    if code == 0:
+        result["diagnosis"] = json.loads((to / "diagnosis.json").read_text())
+        result["process_rmse"] = process_error(program, recordings, to)
+    write(to / "result.json", json.dumps(result) + "\n")
+    return cpu
+
+
 def diagnose(folder, program, cases, jobs):
-    """Diagnoses what is not diagnosed. What a case costs is written with its diagnosis."""
-    for i, case in enumerate(cases):
-        to, recordings = folder / "diagnoses" / case["name"], folder / "cases" / case["name"]
-        if (to / "result.json").exists():
-            continue
-        shutil.rmtree(to, ignore_errors=True)  # a cache of a stopped diagnosis would make it look cheap
-        # Left out of the catalogue is known before the diagnosis; it is no part of the answer that would help.
-        without = json.loads((folder / "answers" / f"{case['name']}.json").read_text()).get("without", [])
-        words = [program, "diagnose", str(recordings / "experiment.json"), "--out", str(to), "--jobs", str(jobs),
-                 "--skip-next-experiment", "--quiet"]
-        code, cpu, message = run_program(words + [w for label in without for w in ("--without", label)], PATIENCE)
-        if code in (130, -signal.SIGINT):
-            raise KeyboardInterrupt
-        result = {"exit": "done" if code == 0 else f"refused ({code})" if code != "time-out" else code, "cpu_s": cpu,
-                  "message": message, "rows": rows_of(recordings / "experiment.json")}
-        if code == 0:
-            result["diagnosis"] = json.loads((to / "diagnosis.json").read_text())
-            result["process_rmse"] = process_error(program, recordings, to)
-        write(to / "result.json", json.dumps(result) + "\n")
-        print(f"{case['name']} diagnosed ({i + 1} of {len(cases)}, {cpu / 60:.1f} CPU min)", flush=True)
+    """Diagnoses what is not diagnosed, several cases at a time."""
+    missing = [c["name"] for c in cases if not (folder / "diagnoses" / c["name"] / "result.json").exists()]
+    stopped = threading.Event()
+
+    def one(name):
+        if stopped.is_set():
+            return None
+        try:
+            return diagnose_one(folder, program, name)
+        except BaseException:
+            stopped.set()
+            raise
+
+    with concurrent.futures.ThreadPoolExecutor(max(1, jobs)) as pool:
+        begun = {pool.submit(one, name): name for name in missing}
+        try:
+            for i, done in enumerate(concurrent.futures.as_completed(begun)):
+                cpu = done.result()
+                if cpu is not None:
+                    print(f"{begun[done]} diagnosed ({len(cases) - len(missing) + i + 1} of {len(cases)}, "
+                          f"{cpu / 60:.1f} CPU min)", flush=True)
+        except BaseException:
+            stopped.set()
+            raise
 
 
 def rows(folder, cases):
@@ -190,7 +222,7 @@ def main(arguments=None):
     parser.add_argument("--seed", type=int, help="a seed of your own; without it the seed follows from the program")
     parser.add_argument("--first", type=int, metavar="K", help="only the first K cases of the set")
     parser.add_argument("--state", metavar="FOLDER", help="recordings, diagnoses, scores (out/prove/SET_SEED)")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings at a time, and threads of a diagnosis (all cores)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="recordings, then diagnoses at a time (all cores)")
     parser.add_argument("--top", default=str(pathlib.Path(__file__).resolve().parents[3]), help=argparse.SUPPRESS)
     parser.add_argument("--program", default="build/bin/supercircle", help=argparse.SUPPRESS)
     o = parser.parse_args(arguments)

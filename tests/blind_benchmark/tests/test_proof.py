@@ -1,4 +1,5 @@
 """Unit tests of ./prove.sh: seed, plan, state, refusals, scorer, rivals, closed forms of the set-ups, and the history."""
+import concurrent.futures
 import json
 import math
 import os
@@ -129,12 +130,12 @@ def test_a_run_that_was_stopped_continues_and_scores_come_last(tmp_path, capsys,
             raise KeyboardInterrupt
         return original(words, seconds)
     monkeypatch.setattr(prove, "run_program", stopped)
-    assert call(top, "--first", "3", "--state", str(state)) == 130
+    assert call(top, "--first", "3", "--state", str(state), "--jobs", "1") == 130
     out = capsys.readouterr()
     assert "Claims" not in out.out and not (state / "results.csv").exists()
     recorded = {p.name: p.stat().st_mtime_ns for p in (state / "answers").iterdir()}
     assert len(recorded) == 3
-    assert call(top, "--first", "3", "--state", str(state)) == 0
+    assert call(top, "--first", "3", "--state", str(state), "--jobs", "1") == 0
     assert recorded == {p.name: p.stat().st_mtime_ns for p in (state / "answers").iterdir()}  # none is made twice
     assert [d.split("/")[-2] for d in done] == ["case_001", "case_002", "case_002", "case_003"]
     out = capsys.readouterr().out
@@ -154,6 +155,13 @@ def test_changed_answers_are_refused(tmp_path, capsys, made):
 
 def test_a_time_out_is_one(tmp_path):
     assert prove.run_program(["sleep", "20"], 0.1)[0] == "time-out"
+
+
+def test_processor_time_is_that_of_the_program_alone():
+    spin = ["/usr/bin/python3", "-c", "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"]
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for code, cpu, last in pool.map(lambda _: prove.run_program(spin, 60), range(2)):
+            assert code == 0 and last == "done" and 0.95 < cpu < 1.9  # start of Python included, the other one not
 
 
 # ---------------------------------------------------------------- scorer

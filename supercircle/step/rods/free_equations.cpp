@@ -152,7 +152,8 @@ void FreeEquations::addPointRow(const rod::MaterialPoint& at, const Vec2& offset
 
 void FreeEquations::eliminate() {
     f_.solved = f_.C.transpose();
-    w_.llt.solveInPlace(f_.solved);
+    if (f_.C.rows() > 0) // Eigen forms a reference to the first number even where there is none
+        w_.llt.solveInPlace(f_.solved);
     f_.schur.noalias() = f_.C * f_.solved;
 }
 

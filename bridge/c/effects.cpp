@@ -1,8 +1,7 @@
 // Effects as JSON, with the keys that scenes use.
 
+#include "bridge/c/json.h"
 #include "bridge/c/world.h"
-
-#include <nlohmann/json.hpp>
 
 using namespace supercircle::c;
 using supercircle::EffectDef;
@@ -12,22 +11,6 @@ using supercircle::EffectTarget;
 using supercircle::EffectValue;
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string dump(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-Json parsed(const char* text) {
-    const std::string json = textOf(text, -1, "the JSON text");
-    requireShallow(json);
-    try {
-        return Json::parse(json);
-    } catch (const Json::exception& e) {
-        refuse(SC_BAD_INPUT, std::string("not JSON: ") + e.what());
-    }
-}
 
 EffectDef definition(const Json& entry) {
     if (!entry.is_object() || !entry.contains("key") || !entry["key"].is_string())
@@ -80,7 +63,7 @@ std::string catalogJson() {
                        {"acts_on_shells", e.acts_on_shells},
                        {"parameters", parameters}});
     }
-    return dump(all);
+    return written(all);
 }
 
 } // namespace
@@ -91,7 +74,7 @@ const char* sc_effects(void) {
 
 sc_status sc_shell_set_effects(sc_world w, sc_shell s, const char* json) {
     return use(w, [&](World& x) {
-        const Json list = parsed(json);
+        const Json list = parsed(json, "the effects");
         if (!list.is_array())
             refuse(SC_BAD_INPUT, "a list of effects is expected, such as [{\"key\": \"plasticity\"}]");
         std::vector<EffectDef> all;
@@ -103,7 +86,7 @@ sc_status sc_shell_set_effects(sc_world w, sc_shell s, const char* json) {
 
 sc_status sc_shell_set_effect(sc_world w, sc_shell s, const char* json) {
     return use(w, [&](World& x) {
-        const EffectDef d = definition(parsed(json));
+        const EffectDef d = definition(parsed(json, "the effects"));
         done(x.shells.set_effects(target(x, s), d.key, d.parameters));
     });
 }
@@ -122,6 +105,6 @@ const char* sc_shell_effects(sc_world w, sc_shell s) {
                 entry[v.name] = v.choice.empty() ? Json(v.number) : Json(v.choice);
             all.push_back(std::move(entry));
         }
-        return dump(all);
+        return written(all);
     });
 }

@@ -1,18 +1,11 @@
 #include "bridge/c/scene_text.h"
 
 #include "bridge/box2d/rigid_check.h"
-
-#include <nlohmann/json.hpp>
+#include "bridge/c/json.h"
 
 namespace supercircle::c {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string dump(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 /// What Box2D cannot play, found after the text is read.
 std::vector<scene::Problem> hostProblems(const scene::Scene& s, const std::string& file) {
@@ -49,9 +42,7 @@ std::vector<std::pair<std::string, double>> parametersOf(const char* json) {
     std::vector<std::pair<std::string, double>> out;
     if (json == nullptr)
         return out;
-    const std::string text = textOf(json, -1, "the parameters");
-    requireShallow(text);
-    const Json all = Json::parse(text, nullptr, false);
+    const Json all = parsed(json, "the parameters");
     if (!all.is_object())
         refuse(SC_BAD_INPUT, "parameters are a JSON object of numbers, such as {\"mu\": 0.35}");
     for (const auto& [name, value] : all.items()) {
@@ -88,7 +79,7 @@ std::string problemsJson(const std::string& text, const std::string& file) {
                        {"nearest", p.nearest},
                        {"note", p.severity == scene::Problem::Severity::Note},
                        {"text", p.toString()}});
-    return dump(all);
+    return written(all);
 }
 
 std::string parametersJson(const scene::Scene& scene) {
@@ -101,7 +92,7 @@ std::string parametersJson(const scene::Scene& scene) {
                        {"max", bound(p.max)},
                        {"unit", p.unit},
                        {"about", p.about}});
-    return dump(all);
+    return written(all);
 }
 
 } // namespace supercircle::c

@@ -1,18 +1,13 @@
 #include "bridge/box2d/box2d_port.h"
 #include "bridge/c/include/supercircle_box2d.h"
+#include "bridge/c/json.h"
 #include "bridge/c/world.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 namespace supercircle::c {
 
 namespace {
-
-/// A frame that did not begin: the input is at fault.
-bool isBadInput(const FrameReport& report) {
-    return report.advanced == 0.0 && report.failure.rfind("dt: ", 0) == 0;
-}
 
 /// Box2D ends the process when a body's numbers overflow.
 void requireFiniteBodies(const World& w) {
@@ -28,9 +23,8 @@ void requireFiniteBodies(const World& w) {
 } // namespace
 
 std::string reportJson(const FrameReport& report) {
-    const nlohmann::ordered_json texts = {
-        {"failure", report.failure}, {"why", report.why}, {"refused", report.refused}, {"note", report.note}};
-    return texts.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return written(
+        {{"failure", report.failure}, {"why", report.why}, {"refused", report.refused}, {"note", report.note}});
 }
 
 void describe(World& w, const FrameReport& report, sc_frame& out) {
@@ -94,7 +88,7 @@ void step(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     done(scene != nullptr ? scene->post_step() : w.shells.post_step(), SC_FAILED);
     watch(w);
     if (!report.failure.empty())
-        refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+        refuse(report.bad_input ? SC_BAD_INPUT : SC_FAILED, report.failure);
 }
 
 void preStep(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
@@ -106,7 +100,7 @@ void preStep(World& w, double dt, sc_frame& out, ScenePlayer* scene) {
     const FrameReport report = scene != nullptr ? scene->pre_step(dt) : w.shells.pre_step(dt);
     describe(w, report, out);
     if (!report.failure.empty())
-        refuse(isBadInput(report) ? SC_BAD_INPUT : SC_FAILED, report.failure);
+        refuse(report.bad_input ? SC_BAD_INPUT : SC_FAILED, report.failure);
 }
 
 void postStep(World& w) {

@@ -204,11 +204,13 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         return report;
     }
     if (!(dt >= kShortest) || !std::isfinite(dt)) {
+        report.bad_input = true;
         report.failure = "dt: a frame lasts 0 s (a pause), or 1e-12 s at least";
         m.advanced = 0.0;
         return report;
     }
     if (const double longest = kMostSteps * m.stepper.settings().dtMax; dt > longest) {
+        report.bad_input = true;
         report.failure = "dt: a frame lasts " + std::to_string(longest) + " s at most; take several";
         m.advanced = 0.0;
         return report;

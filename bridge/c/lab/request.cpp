@@ -19,9 +19,7 @@ constexpr std::chrono::milliseconds kPoll{100}; ///< between two calls of the ca
 } // namespace
 
 Request::Request(const char* text, std::vector<std::string> keys) {
-    const std::string request = textOf(text, -1, "the request");
-    requireShallow(request);
-    json_ = Json::parse(request, nullptr, false);
+    json_ = parsed(text, "the request");
     if (!json_.is_object())
         refuse(SC_BAD_INPUT, "the request is not a JSON object");
     for (const auto& [key, value] : json_.items())
@@ -92,7 +90,7 @@ std::string Request::document(const char* key) const {
     if (found->is_string())
         return found->get<std::string>();
     if (found->is_object())
-        return found->dump(2, ' ', false, Json::error_handler_t::replace);
+        return written(*found, 2);
     refuse(SC_BAD_INPUT, std::string("\"") + key + "\" of the request is neither an object nor a text");
 }
 
@@ -139,7 +137,7 @@ std::string watched(sc_lab_progress progress, void* context, const std::function
         if (failure)
             std::rethrow_exception(failure);
     }
-    return result.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return written(result);
 }
 
 const char* answer(const std::function<std::string()>& call) noexcept {

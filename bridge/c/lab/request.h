@@ -3,6 +3,7 @@
 
 #include "bridge/c/guard.h"
 #include "bridge/c/include/supercircle_lab.h"
+#include "bridge/c/json.h"
 #include "plugin/scene/loader/scene.h"
 #include "supercircle/step/port.h"
 
@@ -10,14 +11,11 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace supercircle::c {
-
-using Json = nlohmann::ordered_json;
 
 /// A JSON object with known keys. Every reading call refuses what has another type.
 class Request {

@@ -60,8 +60,9 @@ struct FrameReport {
         bool budget_exhausted = false; ///< Quality::Game: the budget of the frame was used up, the rest of dt left out
         [[deprecated("use budget_exhausted")]] bool late;
     };
-    bool stopped = false; ///< the observer asked to stop, or threw (then `failure` has its message)
-    std::string failure;  ///< empty unless the shells could not go on
+    bool stopped = false;   ///< the observer asked to stop, or threw (then `failure` has its message)
+    bool bad_input = false; ///< dt is at fault, as `failure` says, and nothing moved
+    std::string failure;    ///< empty unless the shells could not go on
     /// Bodies and gravity of the host that this frame left out, because their numbers are not finite; empty: none.
     std::string refused;
     /// What shells do not take from the host, such as restitution; each message comes once for a host world.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMost = 500000; ///< largest number of samples used
 
-struct Motion {
+struct DriveLine {
     double t0 = 0.0, value = 0.0, slope = 0.0; ///< value at t0
     [[nodiscard]] double at(double t) const { return value + slope * (t - t0); }
 };
@@ -31,18 +31,18 @@ public:
         }
     }
     /// Least squares over samples first to last - 1.
-    [[nodiscard]] Motion fit(std::size_t first, std::size_t last) const {
+    [[nodiscard]] DriveLine fit(std::size_t first, std::size_t last) const {
         const auto n = static_cast<long double>(last - first);
         const long double x = sums_[last].x - sums_[first].x, y = sums_[last].y - sums_[first].y;
         const long double xx = sums_[last].xx - sums_[first].xx - x * x / n;
         const long double xy = sums_[last].xy - sums_[first].xy - x * y / n;
-        Motion line{t[0] + static_cast<double>(x / n), static_cast<double>(y / n), 0.0};
+        DriveLine line{t[0] + static_cast<double>(x / n), static_cast<double>(y / n), 0.0};
         if (last - first >= 2 && xx > 0.0L)
             line.slope = static_cast<double>(xy / xx);
         return line;
     }
     [[nodiscard]] bool follows(std::size_t first, std::size_t last, double tolerance) const {
-        const Motion line = fit(first, last);
+        const DriveLine line = fit(first, last);
         for (std::size_t i = first; i < last; ++i)
             if (std::abs(d[i] - line.at(t[i])) > tolerance)
                 return false;
@@ -103,8 +103,8 @@ double largestDistance(const std::vector<double>& t, const std::vector<double>& 
     return most;
 }
 
-/// Motion through the middle of a segment, away from corners.
-Motion middleLine(const Samples& s, std::size_t first, std::size_t last) {
+/// Line through the middle of a segment, away from corners.
+DriveLine middleLine(const Samples& s, std::size_t first, std::size_t last) {
     const std::size_t off = (last - first) / 8;
     return s.fit(first + off, last - off);
 }
@@ -112,13 +112,13 @@ Motion middleLine(const Samples& s, std::size_t first, std::size_t last) {
 /// Corners at the intersections of neighbouring lines; lines without one are joined by a step.
 Drive cut(const Samples& s, const std::vector<std::size_t>& bounds, double tolerance) {
     Drive drive;
-    std::vector<Motion> lines;
+    std::vector<DriveLine> lines;
     for (std::size_t k = 0; k + 1 < bounds.size(); ++k)
         lines.push_back(middleLine(s, bounds[k], bounds[k + 1]));
     drive.time.push_back(s.t.front());
     drive.displacement.push_back(lines.front().at(s.t.front()));
     for (std::size_t k = 1; k < lines.size(); ++k) {
-        const Motion &a = lines[k - 1], &b = lines[k];
+        const DriveLine &a = lines[k - 1], &b = lines[k];
         const double boundary = 0.5 * (s.t[bounds[k] - 1] + s.t[bounds[k]]);
         const double cutAt = boundary + (b.at(boundary) - a.at(boundary)) / (a.slope - b.slope);
         const bool meets = std::isfinite(cutAt) && cutAt > a.t0 && cutAt < b.t0;

@@ -32,7 +32,7 @@ TEST_CASE("shells and crates far away change no bit of those here", "[box2d][isl
     addNear(crowded, there, cratesThere);
     far = {crowded.bumper({20.0, 0.6}, 1.0), crowded.bumper({20.1, 1.4}, 0.2), crowded.bumper({-15.0, 3.0}, 0.0)};
     b2Body* farCrate = crowded.box(20.0F, 2.5F, 0.3F, 0.2F, b2_dynamicBody);
-    for (int i = 0; i < 66; ++i) {
+    for (int i = 0; i < 100; ++i) {
         if (i % 10 == 4)
             crowded.shells.apply_impulse(far[1], 0.5, {0.3 * (i % 3 - 1), 0.5}).or_fail();
         if (i == 50)

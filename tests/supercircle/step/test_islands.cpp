@@ -74,7 +74,7 @@ TEST_CASE("a far island changes no bit of the others", "[step][islands]") {
         if (i == 60)
             step::removeRod(crowded.world, 2);
     };
-    for (int i = 0; i < 72; ++i) {
+    for (int i = 0; i < 100; ++i) {
         alone.advance(1, 1.0 / 60.0);
         disturb(i);
         crowded.advance(1, 1.0 / 60.0);

@@ -8,11 +8,11 @@ namespace supercircle::diagnosis {
 
 namespace {
 
+using Index = Eigen::Index;
+
 std::vector<double> listOf(const Eigen::VectorXd& v) {
     return {v.data(), v.data() + v.size()};
 }
-
-using Index = Eigen::Index;
 
 std::vector<replay::Landmark> whileMoving(const RecordedRun& run, const Eigen::VectorXd& force, double share) {
     std::vector<replay::Landmark> all = replay::findLandmarks(readingsOf(run, force), share);

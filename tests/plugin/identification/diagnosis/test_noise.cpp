@@ -102,7 +102,7 @@ void scatterOfRepeats(std::uint64_t seeds) {
             // Sines a third of a period apart differ by a sine sqrt(3) times as large.
             CHECK(estimateNoise(data).runToRun == Approx(3.0 * kTotal * std::sqrt(0.75)).epsilon(0.25));
         }
-        CHECK(scatters <= 1); // of twenty, each with probability 1e-3, more with few correlation times
+        CHECK(scatters <= static_cast<int>(seeds / 20)); // each with probability 1e-3, more with few correlation times
     }
 }
 

@@ -113,7 +113,7 @@ def run_program(words, seconds):
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         begun = subprocess.Popen(words, stdout=out, stderr=err)
         late = threading.Event()
-        timer = threading.Timer(seconds, lambda: (late.set(), begun.kill()))
+        timer = threading.Timer(seconds, lambda: (late.set(), os.kill(begun.pid, signal.SIGKILL)))
         timer.start()
         _, status, used = os.wait4(begun.pid, 0)  # of this program alone: others run beside it
         timer.cancel()

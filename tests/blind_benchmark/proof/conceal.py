@@ -107,7 +107,8 @@ def hidden_effects(draw, plan, specimen):
     low, high = STRENGTHS[plan["strength"]]
     for name in plan["families"]:
         make = known[name].draw(draw)
-        wanted = low * math.exp(draw.random() * math.log(high / low))
+        most = max(low, min(high, known[name].reach))
+        wanted = low * math.exp(draw.random() * math.log(most / low))
         amplitude = amplitude_for(baseline, make, wanted, known[name].largest)
         if amplitude is None:
             return None

@@ -62,6 +62,7 @@ class Family:
     label: str
     draw: Callable[[random.Random], Callable[[float], Effect]]
     largest: float = 50.0
+    reach: float = math.inf  # standard deviations that no amplitude exceeds much: the readings saturate
 
 
 def of(label, name, one, variant="", sign=False):

@@ -17,7 +17,7 @@ ELEMENTS, MODES = 16, 4
 
 
 def describe(draw):
-    length, thickness = rounded(draw.uniform(0.25, 0.4), 3), rounded(draw.uniform(8e-4, 1.2e-3), 2)
+    length, thickness = rounded(draw.uniform(0.4, 0.55), 3), rounded(draw.uniform(8e-4, 1.2e-3), 2)
     stated = {"length": Stated(length, 5e-4), "thickness": Stated(thickness, 1e-5), "width": Stated(0.02, 0.0),
               "young_modulus": Stated(2.0e11, 8e9), "density": Stated(7800.0, 0.0)}
     bend = 2.0e11 * 0.02 * thickness**3 / 12.0

@@ -16,7 +16,9 @@ SIMULATOR = "scipy"
 DRIVES = [((0, 1, 13, 15, 27, 28), (0, 0, 6, 6, 0, 0)),
           ((0, 1, 4, 7, 10, 13, 14), (0, 0, 6, 0, 6, 0, 0)),
           ((0, 1, 9, 17, 29, 33, 34), (0, 0, 4, 2, 8, 8, 8))]
-LOADS = np.linspace(0.0, 5.0, 41)  # in B / R^2; 4.0 presses by 0.5 R
+LOADS = np.linspace(0.0, 5.0, 41)  # in B / R^2; 4.0 presses by 0.9 R
+DEEPEST = 0.45                     # of R, that the drives press with all numbers at the ends of their intervals
+FULL = 0.99                        # of the moment at which the softening law has no stiffness: as far as it is used
 
 
 def describe(draw):
@@ -32,12 +34,16 @@ def describe(draw):
 
 def _bend(moment, knee):
     """Curvature change u for M / B = u / sqrt(1 + (u / knee)^2)."""
-    return moment / math.sqrt(max(1e-9, 1.0 - (moment / knee)**2)) if knee else moment
+    if not knee:
+        return moment
+    used = min(max(moment, -FULL * knee), FULL * knee)  # straight on beyond it, while the moments are sought
+    share = 1.0 - (used / knee)**2
+    return used / math.sqrt(share) + (moment - used) / share**1.5
 
 
 @functools.lru_cache(maxsize=64)
 def pressed(knee):
-    """Deflections over R of a ring of radius 1 and B = 1 under LOADS. knee: of the elastic law, 0 for a linear one."""
+    """(loads, deflections over R) of a ring of radius 1 and B = 1, as far as its law goes. knee: of it, 0: linear."""
     def quarter(moment, load):
         def change(s, y):  # tangent angle, x, y
             return [1.0 + _bend(moment + 0.5 * load * y[1], knee), math.cos(y[0]), math.sin(y[0])]
@@ -46,15 +52,22 @@ def pressed(knee):
     heights, side = [], 0.0
     for load in LOADS:
         side = brentq(lambda m: quarter(m, load)[0] - math.pi, side - 0.2, side + 0.5, xtol=1e-12)
-        heights.append(quarter(side, load)[2])
-    return 2.0 * (1.0 - np.array(heights))
+        _, across, height = quarter(side, load)
+        if knee and max(abs(side), abs(side + 0.5 * load * across)) > FULL * knee:
+            break
+        heights.append(height)
+    ways = 2.0 * (1.0 - np.array(heights))
+    if ways[-1] < DEEPEST:
+        raise ValueError("the moment reaches the end of the law before the ring is pressed")
+    return LOADS[:len(ways)], ways
 
 
 def simulate(numbers, run, times, effects):
     radius = numbers["radius"]
     stiffness = numbers["young_modulus"] * numbers["width"] * numbers["thickness"]**3 / 12.0
     knee = value(effects, "nonlinear_elasticity", "uc_1_m") * radius
-    load = PchipInterpolator(pressed(knee) * radius, LOADS * stiffness / radius**2)
+    loads, ways = pressed(knee)
+    load = PchipInterpolator(ways * radius, loads * stiffness / radius**2)
     corners, way = run.drive
     play = value(effects, "backlash", "play_m")
     fall, tau = (value(effects, "softening_over_time", n, off) for n, off in (("drop", 0.0), ("tau_s", 1.0)))

@@ -77,6 +77,8 @@ public:
     [[nodiscard]] bool isJump(std::size_t run, Eigen::Index row) const { return row >= data_.runs[run].rows(); }
     [[nodiscard]] const std::vector<replay::Landmark>& jumps(std::size_t run) const { return runModels_[run].jumps; }
     [[nodiscard]] const LikelihoodSettings& settings() const { return settings_; }
+    /// Responses from which, with these as the fine ones, another likelihood has the discretisation error of this one.
+    [[nodiscard]] std::vector<Response> finerThan(std::vector<Response> fine) const;
     /// Norm of the recorded readings about their mean of each run, over the noise: what a radian of phase changes.
     [[nodiscard]] double signalNorm() const;
 

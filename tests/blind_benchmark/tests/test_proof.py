@@ -355,10 +355,14 @@ def test_a_sled_breaks_away_at_its_static_friction():
 
 def test_a_ring_has_its_small_and_its_large_stiffness():
     ring = conceal.setup("ring_between_plates")
-    pressed = ring.pressed(0.0)
+    loads, pressed = ring.pressed(0.0)
     # F R^3 / B = d / 0.1488 for small d. At F R^2 / B = 0.125 the ring is stiffer by a share of the order of d / R.
-    assert ring.LOADS[1] / pressed[1] == pytest.approx(1.0 / (math.pi / 4.0 - 2.0 / math.pi), rel=0.03)
+    assert loads[1] / pressed[1] == pytest.approx(1.0 / (math.pi / 4.0 - 2.0 / math.pi), rel=0.03)
     assert np.all(np.diff(pressed) > 0.0)
+    loads, softer = ring.pressed(1.0)  # moments below B / R: the top, with F R / pi for small d, reaches it first
+    assert loads[-1] < math.pi and np.all(softer[1:] > pressed[1:len(softer)])
+    with pytest.raises(ValueError, match="end of the law"):
+        ring.pressed(0.5)
 
 
 def test_a_released_cantilever_has_its_first_frequency():

@@ -67,7 +67,7 @@ public:
     /// @param found share of the recorded events that the simulation has
     [[nodiscard]] std::optional<Eigen::VectorXd> residual(const std::vector<Response>& simulated, double& found) const {
         // Only their ratios count: a passage tells the phase five times as well as a turning point.
-        constexpr double kPassage = 0.01, kTurn = 0.05, kHeight = 0.01;
+        constexpr double kTurn = 0.05, kHeight = 0.01;
         Eigen::VectorXd out = Eigen::VectorXd::Zero(rows_);
         Index row = 0;
         double have = 0.0, all = 0.0;
@@ -103,7 +103,20 @@ public:
         return out.allFinite() ? std::optional(out) : std::nullopt;
     }
 
+    /// Of all recorded passages from the simulated ones, half swings; 1 where a simulation lacks one.
+    [[nodiscard]] double farthestPassage(const Eigen::VectorXd& residual) const {
+        double farthest = 0.0;
+        Index row = 0;
+        for (const RecordedEvents& run : runs_) {
+            ++row;
+            for (std::size_t k = 0; k < run.swings.size(); ++k, row += kRowsOfSwing)
+                farthest = std::max(farthest, std::abs(residual[row]) * kPassage);
+        }
+        return farthest;
+    }
+
 private:
+    static constexpr double kPassage = 0.01; ///< accuracy of a passage, half swings
     const Likelihood& likelihood_;
     std::vector<RecordedEvents> runs_;
     Index rows_ = 0;
@@ -117,8 +130,13 @@ public:
     std::optional<ParameterPoint> run() {
         constexpr std::size_t kFewest = 3;
         constexpr int kIterations = 40, kRejected = 5;
+        // Half swings: samples a quarter of a turn off have their minimum where the events have it. Half of it fits
+        // events of runs whose phase is known well enough; at twice as much a passage may be nearer to another one.
+        constexpr double kNear = 0.25;
         if (events_.fewest() < kFewest || !begin())
             return std::nullopt;
+        if (events_.farthestPassage(residual_) < kNear)
+            return v_.at(x_);
         int rejected = 0;
         for (int i = 0; i < kIterations && rejected < kRejected && !evaluator_.stopped(); ++i) {
             if (rejected == 0)
@@ -138,8 +156,9 @@ public:
     }
 
 private:
-    [[nodiscard]] std::optional<Eigen::VectorXd> residualAt(const Eigen::VectorXd& x, double& found) {
-        return events_.residual(evaluator_.simulateAllRuns({v_.at(x)}, Fidelity::Fine).front(), found);
+    [[nodiscard]] std::optional<Eigen::VectorXd> residualAt(const Eigen::VectorXd& x, double& found,
+                                                            Fidelity fidelity = Fidelity::Fine) {
+        return events_.residual(evaluator_.simulateAllRuns({v_.at(x)}, fidelity).front(), found);
     }
     /// Effects so strong that the simulation hardly oscillates are weakened.
     bool begin() {
@@ -165,17 +184,21 @@ private:
         if (step_.size() == 0)
             step_ = Eigen::VectorXd::Constant(v_.size(), kFirst);
         J_.setZero(residual_.size(), v_.size());
+        double all = 0.0;
+        const auto here = residualAt(x_, all, Fidelity::Coarse);
+        if (!here)
+            return;
         for (Index c = 0; c < v_.size(); ++c)
             for (int pass = 0; pass < 2; ++pass) {
                 Eigen::VectorXd to = x_;
                 to[c] = x_[c] + step_[c] <= v_.upper[c] ? x_[c] + step_[c] : std::max(x_[c] - step_[c], v_.lower[c]);
                 const double by = to[c] - x_[c];
                 double found = 0.0;
-                const auto there = by != 0.0 ? residualAt(to, found) : std::nullopt;
+                const auto there = by != 0.0 ? residualAt(to, found, Fidelity::Coarse) : std::nullopt;
                 if (!there)
                     break;
-                J_.col(c) = (residual_ - *there) / by;
-                const double change = (*there - residual_).norm() / std::sqrt(static_cast<double>(residual_.size()));
+                J_.col(c) = (*here - *there) / by;
+                const double change = (*there - *here).norm() / std::sqrt(static_cast<double>(residual_.size()));
                 const double old = step_[c];
                 step_[c] = std::clamp(change > 0.0 ? old * kChange / change : 30.0 * old, old / 100.0, 30.0 * old);
                 step_[c] = std::clamp(step_[c], 1e-6, 0.5 * std::min(v_.upper[c] - v_.lower[c], 20.0));

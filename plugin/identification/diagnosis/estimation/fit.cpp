@@ -399,11 +399,12 @@ FitResult fit(Evaluator& evaluator, const Likelihood& likelihood, const Paramete
               const FitSettings& settings, const Eigen::MatrixXd& known) {
     const bool progressive = settings.progressive && likelihood.data().free;
     FitSettings given = settings;
-    if (likelihood.data().free) // runs are cheap, and long oscillations are too nonlinear for Broyden's update
+    if (likelihood.data().freeBodies()) // long oscillations are too nonlinear for Broyden's update
         given.refreshes = given.nominalRefreshes = given.iterations;
-    return LevenbergMarquardt(evaluator, likelihood,
-                              progressive ? progressiveStart(evaluator, likelihood, start, given) : start, given)
-        .run(progressive ? Eigen::MatrixXd() : known);
+    const ParameterPoint from = progressive ? progressiveStart(evaluator, likelihood, start, given) : start;
+    const Variables v(evaluator.model(), start);
+    const bool moved = v.of(from) != v.of(start);
+    return LevenbergMarquardt(evaluator, likelihood, from, given).run(moved ? Eigen::MatrixXd() : known);
 }
 
 Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {

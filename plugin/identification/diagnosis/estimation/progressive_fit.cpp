@@ -36,7 +36,7 @@ ParameterPoint progressiveStart(Evaluator& evaluator, const Likelihood& likeliho
     for (const double share : {0.125, 0.25, 0.5}) {
         const RecordedData part = firstPart(likelihood.data(), share);
         const auto there = evaluator.simulateAllRuns({at}, Fidelity::Fine).front();
-        const Likelihood shorter(part, likelihood.noise(), there, there, likelihood.settings());
+        const Likelihood shorter(part, likelihood.noise(), there, likelihood.finerThan(there), likelihood.settings());
         FitSettings given = settings;
         given.progressive = false;
         given.competitor = 0.0;

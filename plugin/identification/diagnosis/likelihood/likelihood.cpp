@@ -89,7 +89,7 @@ Eigen::VectorXd Likelihood::ChannelModel::transposed(Eigen::VectorXd u) const {
 Likelihood::Likelihood(const RecordedData& data, const Noise& noise, const std::vector<Response>& fine,
                        const std::vector<Response>& finer, const LikelihoodSettings& settings)
     : data_(data), noise_(noise), settings_(settings.of(data)), start_{0} {
-    const double peak = data.free ? 0.0 : data.peakForce(); // free bodies have no discretisation error
+    const double peak = data.free ? 0.0 : data.peakForce(); // nothing free is pressed
     for (std::size_t c = 0; c < data.further.size(); ++c)
         further_.push_back(data.withChannel(c));
     for (std::size_t r = 0; r < data.runs.size(); ++r) {
@@ -255,6 +255,19 @@ void Likelihood::interpolateAllMasked(std::size_t r, const TimeRanges& maskedRan
     for (std::size_t c = 0; c < run.furtherCount; ++c)
         one(run.force.size() + run.markers.size() + static_cast<Eigen::Index>(c) * run.force.size(), run.time,
             runModels_[r].further[c].errors.force);
+}
+
+std::vector<Response> Likelihood::finerThan(std::vector<Response> fine) const {
+    for (std::size_t r = 0; r < fine.size(); ++r) {
+        const Eigen::Index rows = data_.runs[r].force.size();
+        if (fine[r].force.size() == rows)
+            fine[r].force += runModels_[r].errors.correction / settings_.refinement;
+        for (std::size_t c = 0; c < runModels_[r].further.size(); ++c)
+            if (const auto from = static_cast<Eigen::Index>(c) * rows; fine[r].further.size() >= from + rows)
+                fine[r].further.segment(from, rows) +=
+                    runModels_[r].further[c].errors.correction / settings_.refinement;
+    }
+    return fine;
 }
 
 RawDifference Likelihood::rawResidual(std::size_t r, const Response& s) const {

@@ -151,6 +151,7 @@ LikelihoodSettings LikelihoodSettings::in(const experiment::NaturalUnits& units)
 LikelihoodSettings LikelihoodSettings::of(const RecordedData& data) const {
     constexpr double kNever = 1e9; // times any change
     LikelihoodSettings out = *this;
+    out.discretised = !data.freeBodies();
     if (data.drivesLoad)
         out.contactPosition = out.contactAccuracy = 0.0;
     if (data.table) {
@@ -194,8 +195,8 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
                           rowsInside(rangesBetweenJumps(run, fine, finer, s), run.time));
         correction = (s.refinement * difference).unaryExpr([](double c) { return std::isfinite(c) ? c : 0.0; });
     }
-    const bool discretised = peakForce > 0.0; // free bodies have none; the difference comes from time steps
-    out.correction = discretised ? correction : Eigen::VectorXd::Zero(n);
+    const bool driven = peakForce > 0.0;
+    out.correction = s.discretised ? correction : Eigen::VectorXd::Zero(n);
     const auto reach = std::max<Eigen::Index>(2, static_cast<Eigen::Index>(out.correlationTime / dt));
     for (Eigen::Index k = 0; k < n && known; ++k) {
         const DriveSegment& segment =
@@ -208,7 +209,7 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
             const auto near = correction.segment(a, b - a).array();
             const double mean = near.mean(), varies = (near - mean).square().mean();
             discretisation =
-                s.repeatFactor * math::hypot(std::sqrt(varies), (discretised ? s.uncorrected : 1.0) * mean);
+                s.repeatFactor * math::hypot(std::sqrt(varies), (s.discretised ? s.uncorrected : 1.0) * mean);
         }
         out.force[k] = std::sqrt(out.force[k] * out.force[k] + position * position + discretisation * discretisation);
     }
@@ -224,9 +225,9 @@ ModelError modelErrorOf(const RecordedRun& run, const Noise& noise, const Respon
     if (known)
         excludeSnaps(run, fine.force, visible, 0.0, s, out);
     excludeReversals(run, s, out);
-    if (discretised) // driven specimens only
+    if (driven)
         excludeContacts(run, run.force, visible, peakForce, s, out);
-    if (known && discretised) {
+    if (known && driven) {
         excludeContacts(run, fine.force, visible, peakForce, s, out);
         excludeReleases(run, fine.force, peakForce, s, out);
     }

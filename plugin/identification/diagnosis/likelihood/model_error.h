@@ -26,6 +26,7 @@ struct LikelihoodSettings {
     /// Error of the fine simulation per difference of the finer one to it: 1 / (1 - (31/61)^2).
     double refinement = 1.348;
     double uncorrected = 0.25;       ///< share of the correction that stays as model error
+    bool discretised = true;         ///< simulations have an error of discretisation: those of bodies alone have none
     double repeatFactor = 1.0;       ///< factor of all model errors: forRepeats()
     double markerAccuracy = 1.5e-5;  ///< m, accuracy of a simulated marker in one row
     double markerShift = 5e-6;       ///< m, accuracy common to the markers of one stroke

@@ -229,6 +229,7 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.channel = channel.name;
     data.unit = channel.unit;
     data.free = experiment::isFree(e);
+    data.freeShells = data.free && !experiment::isMechanism(e);
     data.table = experiment::isTable(e);
     data.drivesLoad = experiment::drivesLoad(e);
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;

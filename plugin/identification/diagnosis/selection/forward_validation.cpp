@@ -22,18 +22,19 @@ constexpr std::array<double, 3> kShares = {1.0 / 3.0, 0.5, 2.0 / 3.0};
 constexpr std::array<const char*, 3> kNames = {"forecast from a third", "forecast from half",
                                                "forecast from two thirds"};
 
-/// Fit to the beginning of all runs: from the fit to all rows, and from the stated numbers where that leaves more than
-/// noise.
+/// Fit to the beginning of all runs: from the fit to all rows, and of bodies from the stated numbers where that leaves
+/// more than noise.
 FitResult fitToBeginning(Evaluator& evaluator, const Likelihood& likelihood, const RecordedData& beginning,
                          const FitResult& fitted) {
     constexpr double kNoise = 1.2; // chi-squared per reading
-    const Likelihood part(beginning, likelihood.noise(), fitted.responses, fitted.responses, likelihood.settings());
+    const Likelihood part(beginning, likelihood.noise(), fitted.responses, likelihood.finerThan(fitted.responses),
+                          likelihood.settings());
     FitSettings given;
     given.iterations = 20; // of a law that does not hold, the exact minimum is not worth more
     given.smallestGain = std::max(given.smallestGain, 1e-3 * fitted.chiSquared);
     given.progressive = false;
     FitResult best = fit(evaluator, part, fitted.point, given);
-    if (best.failure.empty() && chiSquaredPerReading(part, best) <= kNoise)
+    if (best.failure.empty() && (beginning.freeShells || chiSquaredPerReading(part, best) <= kNoise))
         return best;
     ParameterPoint stated = fitted.point;
     for (std::size_t i = 0; i < stated.nominal.size(); ++i)

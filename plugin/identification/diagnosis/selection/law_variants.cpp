@@ -41,7 +41,7 @@ RankedProbes startsOf(const RankedProbes& probes, bool allVariants) {
     for (const ScreenedProbe* p : probes)
         if (starts.size() < 2 && p->candidate != first.candidate && p->gain > 0.3 * first.gain)
             starts.push_back(p);
-    // Free runs are cheap, and the screening of a base out of phase is unreliable: all variants are tried.
+    // The screening of a base out of phase is unreliable: all variants are tried where that is cheap.
     for (const ScreenedProbe* p : probes)
         if (allVariants && std::none_of(starts.begin(), starts.end(),
                                         [&](const ScreenedProbe* s) { return s->candidate == p->candidate; }))
@@ -66,7 +66,7 @@ ParameterPoint fromStated(const Model& model, ParameterPoint point) {
 /// Chi-squared within which two fits have found one minimum.
 constexpr double kAgree = 2.0;
 
-/// Fits a law of free runs from the stated numbers too, and keeps the better fit.
+/// Fits a law of moving bodies from the stated numbers too, and keeps the better fit.
 void fitFromStatedToo(Evaluator& evaluator, const Likelihood& likelihood, const ScreenedProbe& probe,
                       FittedHypothesis& t) {
     ParameterPoint start = fromStated(evaluator.model(), t.fit.point);
@@ -99,14 +99,14 @@ bool statedIsBetter(Evaluator& evaluator, const Likelihood& likelihood, const Fi
 std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
                                          const RankedProbes& probes, double& least, std::set<std::size_t>& fitted) {
     std::optional<FittedHypothesis> best;
-    for (const ScreenedProbe* s : startsOf(probes, likelihood.data().free)) {
+    for (const ScreenedProbe* s : startsOf(probes, likelihood.data().freeBodies())) {
         if (evaluator.stopped())
             break;
         fitted.insert(s->candidate);
-        FittedHypothesis t = fitProbe(evaluator, likelihood, base, *s, likelihood.data().free ? 0.0 : least);
+        FittedHypothesis t = fitProbe(evaluator, likelihood, base, *s, likelihood.data().freeBodies() ? 0.0 : least);
         if (!t.fit.failure.empty())
             continue;
-        if (likelihood.data().free)
+        if (likelihood.data().freeBodies())
             fitFromStatedToo(evaluator, likelihood, *s, t);
         least = least > 0.0 ? std::min(least, t.fit.chiSquared) : t.fit.chiSquared;
         if (!best || penalisedChiSquared(t) < penalisedChiSquared(*best))

@@ -23,7 +23,8 @@ FittedHypothesis fitProbe(Evaluator& evaluator, const Likelihood& likelihood, co
                           const ScreenedProbe& probe, double competitor);
 
 /// The best fit of a label beside the effects of `base`, compared by Akaike's criterion: its two best variants from
-/// their best probes, or one variant from its two best. In free scenes all variants. Nothing if none can be simulated.
+/// their best probes, or one variant from its two best. Where bodies alone move freely, all variants. Nothing if none
+/// can be simulated.
 /// @param least chi-squared of the best competing fit so far, updated; 0: none yet
 /// @param fitted receives the candidates
 [[nodiscard]] std::optional<FittedHypothesis> fitLabel(Evaluator& evaluator, const Likelihood& likelihood,

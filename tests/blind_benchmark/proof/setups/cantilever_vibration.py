@@ -21,12 +21,12 @@ def describe(draw):
     stated = {"length": Stated(length, 5e-4), "thickness": Stated(thickness, 1e-5), "width": Stated(0.02, 0.0),
               "young_modulus": Stated(2.0e11, 8e9), "density": Stated(7800.0, 0.0)}
     bend = 2.0e11 * 0.02 * thickness**3 / 12.0
-    times = np.arange(0.0, 1.5, 0.005)
+    times = np.arange(0.0, 1.0, 0.004)
     runs = []
     for share in (draw.uniform(0.002, 0.003), draw.uniform(0.005, 0.006), draw.uniform(0.009, 0.01)):
         pull = rounded(3.0 * bend / length**2 * share, 3)
         runs.append(Run(times, {"pull": Stated(pull, rounded(0.03 * pull, 2))}))
-    return Description("cantilever_vibration", stated, runs, [Channel("tip_y", "tip_mm", 0.02, 0.05, 1e3)])
+    return Description("cantilever_vibration", stated, runs, [Channel("tip_y", "tip_mm", 0.05, 0.1, 1e3)])
 
 
 @functools.lru_cache(maxsize=1)

@@ -302,6 +302,20 @@ TEST_CASE("the discretisation correction is subtracted", "[diagnosis]") {
         const ModelError& errors = likelihood.errors(r);
         CHECK(errors.force.maxCoeff() == Approx(settings.uncorrected * kError).epsilon(1e-6));
     }
+    // Shells that move freely have one too, bodies alone do not: what they differ by comes from time steps.
+    RecordedData freely = data;
+    freely.free = freely.freeShells = true;
+    const Likelihood shells(freely, estimateNoise(data), fine, finer, settings);
+    freely.freeShells = false;
+    const Likelihood bodies(freely, estimateNoise(data), fine, finer, settings);
+    for (std::size_t r = 0; r < data.runs.size(); ++r) {
+        CHECK(shells.errors(r).correction == likelihood.errors(r).correction);
+        CHECK(bodies.errors(r).correction.isZero(0.0));
+    }
+    // Another likelihood of the same simulations has the same error.
+    const Likelihood again(data, estimateNoise(data), exact, likelihood.finerThan(exact), settings);
+    for (std::size_t r = 0; r < data.runs.size(); ++r)
+        CHECK((again.errors(r).correction - likelihood.errors(r).correction).cwiseAbs().maxCoeff() < 1e-12);
     // Where the difference alternates in sign, all of it stays as model error.
     for (std::size_t r = 0; r < data.runs.size(); ++r)
         for (Eigen::Index k = 0; k < finer[r].force.size(); k += 2)

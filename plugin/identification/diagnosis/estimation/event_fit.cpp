@@ -103,14 +103,16 @@ public:
         return out.allFinite() ? std::optional(out) : std::nullopt;
     }
 
-    /// Of all recorded passages from the simulated ones, half swings; 1 where a simulation lacks one.
+    /// Of all recorded passages from the simulated ones, half swings; 1 where a simulation lacks one. The last passage
+    /// of a run does not count: a simulation that is a little slower lacks it.
     [[nodiscard]] double farthestPassage(const Eigen::VectorXd& residual) const {
         double farthest = 0.0;
         Index row = 0;
         for (const RecordedEvents& run : runs_) {
             ++row;
             for (std::size_t k = 0; k < run.swings.size(); ++k, row += kRowsOfSwing)
-                farthest = std::max(farthest, std::abs(residual[row]) * kPassage);
+                if (k + 1 < run.swings.size())
+                    farthest = std::max(farthest, std::abs(residual[row]) * kPassage);
         }
         return farthest;
     }
@@ -125,7 +127,8 @@ private:
 class EventFit {
 public:
     EventFit(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start)
-        : evaluator_(evaluator), events_(likelihood), v_(evaluator.model(), start), x_(v_.of(start)) {}
+        : evaluator_(evaluator), events_(likelihood), v_(evaluator.model(), start), x_(v_.of(start)),
+          shells_(likelihood.data().freeShells) {}
 
     std::optional<ParameterPoint> run() {
         constexpr std::size_t kFewest = 3;
@@ -135,7 +138,7 @@ public:
         constexpr double kNear = 0.25;
         if (events_.fewest() < kFewest || !begin())
             return std::nullopt;
-        if (events_.farthestPassage(residual_) < kNear)
+        if (shells_ && events_.farthestPassage(residual_) < kNear)
             return v_.at(x_);
         int rejected = 0;
         for (int i = 0; i < kIterations && rejected < kRejected && !evaluator_.stopped(); ++i) {
@@ -185,7 +188,8 @@ private:
             step_ = Eigen::VectorXd::Constant(v_.size(), kFirst);
         J_.setZero(residual_.size(), v_.size());
         double all = 0.0;
-        const auto here = residualAt(x_, all, Fidelity::Coarse);
+        const Fidelity fidelity = shells_ ? Fidelity::Coarse : Fidelity::Fine;
+        const auto here = residualAt(x_, all, fidelity);
         if (!here)
             return;
         for (Index c = 0; c < v_.size(); ++c)
@@ -194,7 +198,7 @@ private:
                 to[c] = x_[c] + step_[c] <= v_.upper[c] ? x_[c] + step_[c] : std::max(x_[c] - step_[c], v_.lower[c]);
                 const double by = to[c] - x_[c];
                 double found = 0.0;
-                const auto there = by != 0.0 ? residualAt(to, found, Fidelity::Coarse) : std::nullopt;
+                const auto there = by != 0.0 ? residualAt(to, found, fidelity) : std::nullopt;
                 if (!there)
                     break;
                 J_.col(c) = (*here - *there) / by;
@@ -227,6 +231,7 @@ private:
     Eigen::VectorXd x_, residual_, step_;
     Eigen::MatrixXd J_;
     double damping_ = 1e-3;
+    bool shells_; ///< move, whose simulations are saved
 };
 
 } // namespace

@@ -403,7 +403,7 @@ FitResult fit(Evaluator& evaluator, const Likelihood& likelihood, const Paramete
         given.refreshes = given.nominalRefreshes = given.iterations;
     const ParameterPoint from = progressive ? progressiveStart(evaluator, likelihood, start, given) : start;
     const Variables v(evaluator.model(), start);
-    const bool moved = v.of(from) != v.of(start);
+    const bool moved = progressive && (!likelihood.data().freeShells || v.of(from) != v.of(start));
     return LevenbergMarquardt(evaluator, likelihood, from, given).run(moved ? Eigen::MatrixXd() : known);
 }
 

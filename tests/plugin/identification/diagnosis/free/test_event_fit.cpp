@@ -41,3 +41,25 @@ TEST_CASE("an event fit finds a frequency that is whole turns off", "[diagnosis]
         CHECK(chiSquaredPerReading(likelihood, fitted) == Approx(1.0).margin(0.3)); // 500 rows: 0.06
     }
 }
+
+TEST_CASE("a start of shells in phase needs no fit of events", "[diagnosis][free]") {
+    // A frequency off by df shifts the passages after t by 2 df t half swings: 0.2 and 0.4 at 20 s.
+    for (const double off : {0.005, 0.01}) {
+        RecordedData data = swing::recording(3, 1.0 + off, 0.0, 20.0);
+        data.freeShells = true;
+        const swing::Oscillator model(data, 0.2);
+        SimulationCache cache;
+        Evaluator evaluator(model, 1, {}, cache);
+        ParameterPoint at;
+        at.nominal = {1.0, 40.0};
+        const auto there = evaluator.simulateAllRuns({at}, Fidelity::Fine).front();
+        const Likelihood likelihood(data, estimateNoise(data), there, there);
+        const auto start = fitEvents(evaluator, likelihood, at);
+        REQUIRE(start);
+        CHECK((start->nominal == at.nominal) == (off < 0.0075));
+        CHECK((evaluator.distinctRequests() == 1) == (off < 0.0075));
+        const FitResult fitted = fit(evaluator, likelihood, at);
+        CHECK(fitted.point.nominal[0] == Approx(1.0 + off).margin(1e-4)); // a sigma of 500 rows is 1e-5
+        CHECK(chiSquaredPerReading(likelihood, fitted) == Approx(1.0).margin(0.3));
+    }
+}

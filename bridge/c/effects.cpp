@@ -3,6 +3,8 @@
 #include "bridge/c/json.h"
 #include "bridge/c/world.h"
 
+#include <nlohmann/json.hpp>
+
 using namespace supercircle::c;
 using supercircle::EffectDef;
 using supercircle::EffectInfo;
@@ -86,7 +88,7 @@ sc_status sc_shell_set_effects(sc_world w, sc_shell s, const char* json) {
 
 sc_status sc_shell_set_effect(sc_world w, sc_shell s, const char* json) {
     return use(w, [&](World& x) {
-        const EffectDef d = definition(parsed(json, "the effects"));
+        const EffectDef d = definition(parsed(json, "the effect"));
         done(x.shells.set_effects(target(x, s), d.key, d.parameters));
     });
 }

@@ -1,7 +1,10 @@
 #include "bridge/c/guard.h"
 
+#include "bridge/c/json.h"
+
 #include <array>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string_view>
 
@@ -121,6 +124,9 @@ std::string textOf(const char* text, std::int32_t bytes, const char* what) {
     return {text, length};
 }
 
+namespace {
+
+/// What walks over the values of a JSON text calls itself.
 void requireShallow(const std::string& json) {
     int depth = 0;
     bool quoted = false;
@@ -135,6 +141,22 @@ void requireShallow(const std::string& json) {
         if (depth > kDeepest)
             refuse(SC_BAD_INPUT, "the JSON text is nested more than 100 deep");
     }
+}
+
+} // namespace
+
+Json parsed(const char* text, const char* what) {
+    const std::string json = textOf(text, -1, what);
+    requireShallow(json);
+    try {
+        return Json::parse(json);
+    } catch (const Json::exception& e) {
+        refuse(SC_BAD_INPUT, std::string(what) + ": not JSON: " + e.what());
+    }
+}
+
+std::string written(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string nameOf(const char* text, const char* what) {

@@ -87,8 +87,6 @@ void requireChoice(std::int32_t kind, std::int32_t count, const char* what);
 /// A text that may not be null; at most 64 MiB.
 std::string textOf(const char* text, std::int32_t bytes, const char* what);
 std::string nameOf(const char* text, const char* what);
-/// Refuses a JSON text nested deeper than scenes may be: what walks over its values calls itself.
-void requireShallow(const std::string& json);
 /// Checks the buffer of a call that writes up to `capacity` items.
 template <class T>
 void requireBuffer(const T* out, std::int32_t capacity) {

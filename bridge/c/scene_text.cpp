@@ -3,6 +3,8 @@
 #include "bridge/box2d/rigid_check.h"
 #include "bridge/c/json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace supercircle::c {
 
 namespace {

@@ -4,6 +4,7 @@
 #include "bridge/c/world.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace supercircle::c {
 

@@ -97,8 +97,8 @@ struct RecordedData {
     std::vector<RecordedRun> runs;
     std::string channel = "force";      ///< what RecordedRun::force holds
     std::string unit = "N";             ///< unit of that channel; degrees or mm for poses of free scenes
-    bool free = false;                  ///< bodies move freely, and the simulation has no discretisation error
-    bool freeShells = false;            ///< shells move freely: a simulation takes a hundred times as long as of bodies
+    bool free = false;                  ///< nothing is driven
+    bool freeShells = false;            ///< shells move freely, not bodies alone: see freeBodies()
     bool table = false;                 ///< rows are states of rest, without a clock
     bool drivesLoad = false;            ///< RecordedRun::displacement is a load
     double statedForceNoise = 0.0;      ///< N, within about 30 %; 0: not stated
@@ -121,7 +121,8 @@ struct RecordedData {
     /// one error. 1 in free scenes.
     [[nodiscard]] std::size_t repeatsOf(std::size_t run) const;
     [[nodiscard]] double peakForce() const;
-    /// Whether bodies alone move freely.
+    /// Whether bodies alone move freely. Their simulation takes a hundredth of the time of shells, and has no error of
+    /// discretisation.
     [[nodiscard]] bool freeBodies() const { return free && !freeShells; }
     /// Usual correlation time of the sensor, s: a quarter of a natural second, at least two rows and at most a
     /// twentieth of a run.

@@ -127,7 +127,7 @@ private:
 class EventFit {
 public:
     EventFit(Evaluator& evaluator, const Likelihood& likelihood, const ParameterPoint& start)
-        : evaluator_(evaluator), events_(likelihood), v_(evaluator.model(), start), x_(v_.of(start)),
+        : evaluator_(evaluator), events_(likelihood), start_(start), v_(evaluator.model(), start), x_(v_.of(start)),
           shells_(likelihood.data().freeShells) {}
 
     std::optional<ParameterPoint> run() {
@@ -139,11 +139,11 @@ public:
         if (events_.fewest() < kFewest || !begin())
             return std::nullopt;
         if (shells_ && events_.farthestPassage(residual_) < kNear)
-            return v_.at(x_);
+            return x_ == v_.of(start_) ? start_ : v_.at(x_);
         int rejected = 0;
         for (int i = 0; i < kIterations && rejected < kRejected && !evaluator_.stopped(); ++i) {
-            if (rejected == 0)
-                differentiate();
+            if (rejected == 0 && !differentiate())
+                break;
             const double before = residual_.squaredNorm();
             if (!step()) {
                 ++rejected;
@@ -180,7 +180,8 @@ private:
         }
         return false;
     }
-    void differentiate() {
+    /// False: the present point cannot be simulated as coarsely.
+    [[nodiscard]] bool differentiate() {
         // Change of the events by a difference step, root mean square of their accuracies. Events are smooth in the
         // parameters, so a tenth or ten times of it gives the same columns.
         constexpr double kChange = 0.3, kFirst = 0.01;
@@ -191,7 +192,7 @@ private:
         const Fidelity fidelity = shells_ ? Fidelity::Coarse : Fidelity::Fine;
         const auto here = residualAt(x_, all, fidelity);
         if (!here)
-            return;
+            return false;
         for (Index c = 0; c < v_.size(); ++c)
             for (int pass = 0; pass < 2; ++pass) {
                 Eigen::VectorXd to = x_;
@@ -209,6 +210,7 @@ private:
                 if (step_[c] > 0.1 * old && step_[c] < 10.0 * old)
                     break;
             }
+        return true;
     }
     bool step() {
         Eigen::MatrixXd G = J_.transpose() * J_ + v_.penalty;
@@ -227,6 +229,7 @@ private:
 
     Evaluator& evaluator_;
     Events events_;
+    const ParameterPoint& start_;
     Variables v_;
     Eigen::VectorXd x_, residual_, step_;
     Eigen::MatrixXd J_;

@@ -402,9 +402,7 @@ FitResult fit(Evaluator& evaluator, const Likelihood& likelihood, const Paramete
     if (likelihood.data().freeBodies()) // long oscillations are too nonlinear for Broyden's update
         given.refreshes = given.nominalRefreshes = given.iterations;
     const ParameterPoint from = progressive ? progressiveStart(evaluator, likelihood, start, given) : start;
-    const Variables v(evaluator.model(), start);
-    const bool moved = progressive && (!likelihood.data().freeShells || v.of(from) != v.of(start));
-    return LevenbergMarquardt(evaluator, likelihood, from, given).run(moved ? Eigen::MatrixXd() : known);
+    return LevenbergMarquardt(evaluator, likelihood, from, given).run(from == start ? known : Eigen::MatrixXd());
 }
 
 Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {

@@ -98,6 +98,8 @@ struct Term {
     std::size_t candidate = 0;
     std::vector<double> values; ///< inner
     double smoothing = 1.0;     ///< weight of the smoothing penalty of a learned law
+
+    [[nodiscard]] bool operator==(const Term&) const = default;
 };
 
 /// All parameters of a simulation.
@@ -107,6 +109,8 @@ struct ParameterPoint {
     /// Standard deviation between specimens of each factor of Model::batch(), in its scale; empty: 1. It weighs the
     /// penalty of deviations and changes no simulation.
     std::vector<double> scatter{};
+
+    [[nodiscard]] bool operator==(const ParameterPoint&) const = default;
 };
 
 /// Coarse: derivatives and searches. Fine: residuals. Finer: discretisation error of the fine one.

@@ -55,15 +55,20 @@ Ticks niceTicks(const AxisRange& range, int most) {
         return ticks;
     const double raw = span / std::max(most, 2);
     const double power = std::pow(10.0, std::floor(std::log10(raw)));
+    const auto valuesAt = [&](double step) {
+        std::vector<double> values;
+        const double last = std::floor(range.hi / step + 1e-9);
+        for (double i = std::ceil(range.lo / step - 1e-9); i <= last; i += 1.0)
+            values.push_back(i * step);
+        return values;
+    };
     for (const double multiple : {1.0, 2.0, 5.0, 10.0, 20.0}) {
-        ticks.step = multiple * power;
-        const double first = std::ceil(range.lo / ticks.step - 1e-9);
-        const double last = std::floor(range.hi / ticks.step + 1e-9);
-        if (last - first + 1.0 > std::max(most, 2))
-            continue;
-        for (double i = first; i <= last; i += 1.0)
-            ticks.values.push_back(i * ticks.step);
-        break;
+        std::vector<double> values = valuesAt(multiple * power);
+        if (values.size() < 2 && ticks.values.size() >= 2)
+            break;
+        ticks = {multiple * power, std::move(values)};
+        if (ticks.values.size() <= static_cast<std::size_t>(std::max(most, 2)))
+            break;
     }
     return ticks;
 }

@@ -18,8 +18,8 @@ struct Ticks {
     [[nodiscard]] std::string label(double value) const;
 };
 
-/// Multiples of 1, 2 or 5 times a power of ten inside the range, at most `most` of them (at least 2).
-/// A range that is empty or not finite gives no values.
+/// Multiples of 1, 2 or 5 times a power of ten inside the range, at most `most` of them (at least 2); up to five where
+/// the next larger step would leave a scale with a single number. A range that is empty or not finite gives no values.
 [[nodiscard]] Ticks niceTicks(const AxisRange& range, int most);
 
 /// The range widened by `pad` of its span on either side; an empty one around its value; one that is not finite is 0

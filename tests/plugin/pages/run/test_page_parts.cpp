@@ -37,6 +37,19 @@ TEST_CASE("ticks are round numbers inside the range, enough and not too many") {
             }
 }
 
+TEST_CASE("a low diagram has two numbers on its scale at least") {
+    // Between steps of 2 and 5 a range of 6 to 10 about zero has four numbers or one.
+    for (const double lo : {-4.9, -4.4, -4.1, -2.3, -45.0})
+        for (const double hi : {4.9, 3.3, 2.6, 21.0}) {
+            const Ticks ticks = niceTicks({lo, hi}, 3);
+            INFO(lo << " .. " << hi);
+            CHECK(ticks.values.size() >= 2);
+            CHECK(ticks.values.size() <= 5);
+        }
+    CHECK(niceTicks({-4.6, 3.3}, 3).values == std::vector<double>{-4.0, -2.0, 0.0, 2.0});
+    CHECK(niceTicks({-1.2, 1.1}, 3).values == std::vector<double>{-1.0, 0.0, 1.0});
+}
+
 TEST_CASE("ranges without extent have no ticks and can be padded") {
     CHECK(niceTicks({1.0, 1.0}, 8).values.empty());
     CHECK(niceTicks({0.0, std::nan("")}, 8).values.empty());

@@ -70,7 +70,9 @@ bool Session::frameToForce(double dt, double limit, bool& reached) {
         toRepeat_.frames.push_back(dt);
         return endFrame(r);
     }
-    return repeatFrames(steps) && cutToForce(before, passed, span, limit, reached);
+    const bool goesOn = repeatFrames(steps) && cutToForce(before, passed, span, limit, reached);
+    toRepeat_ = {}; // where the force leaps past the limit the run goes on, and these frames do not lead here
+    return goesOn;
 }
 
 /// Finds the step from here that ends at the limit. One of `span` s passes it and ends at `high` (N), from `low`.

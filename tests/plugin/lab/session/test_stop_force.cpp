@@ -67,3 +67,15 @@ TEST_CASE("a fixed step is cut to the stop force too", "[lab]") {
     CHECK(end >= 0.0);
     CHECK(peak <= 1e-3);
 }
+
+TEST_CASE("a run goes on and ends where the force leaps past the stop force", "[lab]") {
+    // At 4.95 N a shell snaps: no step ends at 5 N. The run once went back to a kept state there, for ever.
+    lab::RunOptions options;
+    options.seed = 69;
+    const lab::RunResult out =
+        simulate(loadScene("stack30", {{"shells", 5}, {"width", 0.08}, {"phi_bar", 0.9}}), options);
+    const std::vector<double>& t = *out.recording.series.find("time_s");
+    CHECK(std::is_sorted(t.begin(), t.end()));
+    CHECK(overshoot(out.recording, 5.0).second >= 0.0);
+    checkInvariants(out.recording);
+}

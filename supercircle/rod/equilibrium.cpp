@@ -101,8 +101,7 @@ public:
     Eigen::MatrixXd stiffness(const Eigen::VectorXd& multipliers, double t) {
         const int n = model_.dofs();
         Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
-        for (int i = 0; i < model_.elements(); ++i)
-            K(i, i) += bendingStiffness(model_, model_.elementOfDof(i));
+        addBendingStiffness(model_, 1.0, K);
         if (!problem_.gravity.isZero())
             addUniformStiffness(model_, kin_, field_, t * problem_.gravity, K);
         for (const PointLoad& f : problem_.pointLoads) {

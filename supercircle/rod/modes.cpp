@@ -17,8 +17,7 @@ Eigen::VectorXd circularFrequencies(const RodModel& model, const Eigen::VectorXd
     evaluateGauss(model, kin, field);
     Eigen::MatrixXd M, K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs());
     massMatrix(model, kin, field, M);
-    for (int i = 0; i < model.elements(); ++i)
-        K(model.dofOfElement(i), model.dofOfElement(i)) = bendingStiffness(model, i);
+    addBendingStiffness(model, 1.0, K);
     const Eigen::MatrixXd Z =
         held.rows() > 0 ? dense::nullSpaceBasis(held) : Eigen::MatrixXd(Eigen::MatrixXd::Identity(M.rows(), M.cols()));
     if (Z.cols() == 0)

@@ -265,12 +265,10 @@ double errorOf(const World& world, const Settings& s, const SecondOrderStep& w) 
             const Vec2 change = (two.u1[g] - two.u0[g]) - (one.u1[g] - one.u0[g]);
             energy += 0.5 * two.gauss.mass[g] * change.squaredNorm();
         }
-        for (int k = 0; k < model.elements(); ++k) {
-            const int element = model.elementOfDof(k);
-            const double bent = w.stages[0].dt * (two.v[k] - one.v[k]);
-            energy += 0.5 * rod::bendingStiffness(model, element) * bent * bent;
-            way += std::abs(bent) * model.elementLength(element);
-        }
+        const auto bent = w.stages[0].dt * (two.v - one.v);
+        energy += 0.5 * rod::bendingForm(model, bent);
+        for (int k = 0; k < model.elements(); ++k)
+            way += std::abs(bent[k]) * model.elementLength(model.elementOfDof(k));
         bySize = std::max(bySize, 0.5 * way * model.definition().length / least(s, r, w.stages[0].dt));
     }
     return std::min(energy / std::max(s.freeError * s.freeError * scale, 1e-300), bySize * bySize);

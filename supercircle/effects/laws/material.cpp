@@ -1,6 +1,7 @@
 #include "supercircle/effects/laws/material.h"
 
 #include "supercircle/effects/laws/elastic_law.h"
+#include "supercircle/rod/elasticity.h"
 #include "supercircle/support/elementary.h"
 
 #include <algorithm>
@@ -63,49 +64,90 @@ YieldResult yieldStep(const MaterialModel& m, double stiffness, double u, double
     return {plastic + s * d, hardened + d, d};
 }
 
-/// Moment and tangent over B of the springs and the yielding, `ahead` s from now.
-MaterialResponse springs(const rod::RodModel& rod, const Material& m, int element, double curvature, double ahead) {
+/// What the springs of an element answer with at a curvature.
+struct SpringState {
+    double factor;            ///< of the section
+    double strain;            ///< elastic, u, 1/m
+    ElasticResponse law;      ///< at this strain
+    double plastic, hardened; ///< at the end, 1/m
+    double elastic;           ///< du / dkappa: 1, less where it yields
+    double moment, tangent;   ///< over B
+};
+
+SpringState springs(const rod::RodModel& rod, const Material& m, int element, double curvature, double left) {
     const auto e = static_cast<std::size_t>(element);
     const Section& section = m.cumulativeSections.back();
-    const double stiffness = remaining(m.model, m.age + ahead) * section.factor[e];
+    const double stiffness = left * section.factor[e];
     const double u = curvature - naturalCurvature(rod, element) - section.curvature[e];
     const YieldResult y = yieldStep(m.model, stiffness, u, m.plastic[e], m.hardened[e]);
     const ElasticResponse g = evaluate(m.model.elastic, u - y.plastic);
-    double moment = stiffness * g.value, tangent = stiffness * g.slope;
-    if (y.increment > 0.0)
-        tangent *= m.model.hardening / (tangent + m.model.hardening);
-    return {moment, tangent, y.plastic, y.hardened};
+    const double tangent = stiffness * g.slope;
+    const double elastic = y.increment > 0.0 ? m.model.hardening / (tangent + m.model.hardening) : 1.0;
+    return {section.factor[e],   u - y.plastic,    g, y.plastic, y.hardened, elastic,
+            stiffness * g.value, tangent * elastic};
 }
 
-/// Of kinematic hardening, J/m without the factor B.
-double backEnergy(const Material& m, std::size_t e) {
-    return m.model.kinematic ? 0.5 * m.model.hardening * m.plastic[e] * m.plastic[e] : 0.0;
+/// The energy of a pair is -1/2 c B left / f (N_j - N_i) (U_j - U_i) with U = f_e u, N = f_e g(u) and f the mean of
+/// both factors f_e: for any law and any section what a moment that varies linearly leaves of -1/2 c B (u_j - u_i)^2.
+/// Only elastic strains count: where it yields the arcs stay by themselves.
+NeighbourResponse pairOf(const SpringState& b, const SpringState& a, double weight) {
+    const double k = 2.0 * weight / (a.factor + b.factor);
+    const double U = a.factor * a.strain - b.factor * b.strain, N = a.factor * a.law.value - b.factor * b.law.value;
+    NeighbourResponse out;
+    out.forceAfter = 0.5 * k * a.factor * (a.law.slope * U + N);
+    out.forceBefore = -0.5 * k * b.factor * (b.law.slope * U + N);
+    out.ownAfter = k * a.factor * a.factor * a.law.slope * a.elastic;
+    out.ownBefore = k * b.factor * b.factor * b.law.slope * b.elastic;
+    out.cross = -0.5 * k * a.factor * b.factor * (a.law.slope + b.law.slope) * std::min(a.elastic, b.elastic);
+    return out;
 }
 
-/// Energies by cause, each relative to the state without it: J/m without the factor B.
-template <class Add>
-void storedLine(const rod::RodModel& rod, const Material& m, std::size_t e, double kappa, Add&& add) {
-    const double strain = kappa - naturalCurvature(rod, static_cast<int>(e));
-    double last = 0.5 * strain * strain;
-    const auto next = [&](Key cause, double energy) {
-        if (energy != last)
-            add(cause, energy - last);
-        last = energy;
+/// Which effects count in an energy.
+struct Counted {
+    std::size_t profiles; ///< the first ones
+    bool plastic, law;
+    double left; ///< of the stiffness
+};
+
+/// Energy of the springs with the effects that count, J.
+double energyWith(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, const Counted& counted) {
+    const Section& section = m.cumulativeSections[counted.profiles];
+    const auto strain = [&](int i) {
+        const auto e = static_cast<std::size_t>(i);
+        return q[rod.dofOfElement(i)] - naturalCurvature(rod, i) - section.curvature[e] -
+               (counted.plastic ? m.plastic[e] : 0.0);
     };
-    for (std::size_t k = 0; k + 1 < m.cumulativeSections.size(); ++k) {
-        const Section& s = m.cumulativeSections[k + 1];
-        const double u = strain - s.curvature[e];
-        next(m.model.profiles[k].cause, 0.5 * s.factor[e] * u * u);
+    const auto law = [&](double u) {
+        return counted.law ? evaluate(m.model.elastic, u) : ElasticResponse{u, 1.0, 0.5 * u * u};
+    };
+    double sum = 0.0;
+    for (int i = 0; i < rod.elements(); ++i) {
+        const auto e = static_cast<std::size_t>(i);
+        double line = counted.left * section.factor[e] * law(strain(i)).energy;
+        if (counted.plastic && m.model.kinematic)
+            line += 0.5 * m.model.hardening * m.plastic[e] * m.plastic[e];
+        sum += rod.elementLength(i) * line;
     }
-    const Section& section = m.cumulativeSections.back();
-    const double u = strain - section.curvature[e] - m.plastic[e];
-    const double back = backEnergy(m, e);
-    next(Key::Plasticity, 0.5 * section.factor[e] * u * u + back);
-    const double energy = evaluate(m.model.elastic, u).energy;
-    next(Key::NonlinearElasticity, section.factor[e] * energy + back);
-    next(Key::SofteningOverTime, remaining(m.model, m.age) * section.factor[e] * energy + back);
-    for (std::size_t b = 0; b < m.model.branches.size(); ++b)
-        add(Key::ViscoelasticBending, 0.5 * m.model.branches[b].stiffness * m.overstress[b][e] * m.overstress[b][e]);
+    rod::forNeighbours(rod, [&](int before, int after, double c) {
+        const double a = section.factor[static_cast<std::size_t>(after)],
+                     b = section.factor[static_cast<std::size_t>(before)];
+        const double ua = strain(after), ub = strain(before);
+        sum -= c * counted.left / (a + b) * (a * law(ua).value - b * law(ub).value) * (a * ua - b * ub);
+    });
+    return rod.definition().bendingModulus * sum;
+}
+
+/// Sum over the rod of a quadratic form of curvatures x (entries: elements), with what neighbours take out.
+template <class Form>
+double sumOf(const rod::RodModel& rod, const Form& form, const std::vector<double>& x, const std::vector<double>& y) {
+    double sum = 0.0;
+    for (int i = 0; i < rod.elements(); ++i)
+        sum += rod.elementLength(i) * form(x[static_cast<std::size_t>(i)], y[static_cast<std::size_t>(i)]);
+    rod::forNeighbours(rod, [&](int before, int after, double c) {
+        const auto a = static_cast<std::size_t>(after), b = static_cast<std::size_t>(before);
+        sum -= c * form(x[a] - x[b], y[a] - y[b]);
+    });
+    return rod.definition().bendingModulus * sum;
 }
 
 /// Overstress of a Maxwell branch at the end of a step of steady rate.
@@ -152,79 +194,147 @@ void applyLongRest(Material& m) {
 MaterialResponse springResponse(const rod::RodModel& rod, const Material& m, int element, double curvature,
                                 double ahead) {
     const double B = rod.definition().bendingModulus;
-    MaterialResponse r = springs(rod, m, element, curvature, ahead);
-    r.moment *= B;
-    r.tangent *= B;
-    return r;
+    const SpringState r = springs(rod, m, element, curvature, remaining(m.model, m.age + ahead));
+    return {B * r.moment, B * r.tangent, r.plastic, r.hardened};
+}
+
+void springNeighbours(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, double ahead,
+                      std::vector<NeighbourResponse>& out) {
+    out.clear();
+    const double B = rod.definition().bendingModulus, left = remaining(m.model, m.age + ahead);
+    rod::forNeighbours(rod, [&](int before, int after, double c) {
+        out.push_back(pairOf(springs(rod, m, before, q[rod.dofOfElement(before)], left),
+                             springs(rod, m, after, q[rod.dofOfElement(after)], left), B * c * left));
+        out.back().before = before;
+        out.back().after = after;
+    });
 }
 
 double springEnergy(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, double ahead) {
-    const double B = rod.definition().bendingModulus, left = remaining(m.model, m.age + ahead);
-    const Section& section = m.cumulativeSections.back();
-    double sum = 0.0;
-    for (int i = 0; i < rod.elements(); ++i) {
-        const auto e = static_cast<std::size_t>(i);
-        const double u = q[rod.dofOfElement(i)] - naturalCurvature(rod, i) - section.curvature[e] - m.plastic[e];
-        sum +=
-            rod.elementLength(i) * (left * section.factor[e] * evaluate(m.model.elastic, u).energy + backEnergy(m, e));
-    }
-    return B * sum;
+    return energyWith(rod, m, q, {m.model.profiles.size(), true, true, remaining(m.model, m.age + ahead)});
 }
 
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& m, int element, double before, double now,
                                   double dt) {
     const auto e = static_cast<std::size_t>(element);
+    MaterialResponse r = springResponse(rod, m, element, now, dt);
     const double B = rod.definition().bendingModulus;
-    auto [moment, tangent, plastic, hardened] = springs(rod, m, element, now, dt);
-    moment += m.model.viscosity * (now - before) / dt;
-    tangent += m.model.viscosity / dt;
+    r.moment += B * m.model.viscosity * (now - before) / dt;
+    r.tangent += B * m.model.viscosity / dt;
     for (std::size_t b = 0; b < m.model.branches.size(); ++b) {
         const MaxwellBranch& branch = m.model.branches[b];
-        moment += branch.stiffness * relaxed(branch, m.overstress[b][e], now - before, dt);
-        tangent += branch.stiffness * meanDecay(dt / branch.time);
+        r.moment += B * branch.stiffness * relaxed(branch, m.overstress[b][e], now - before, dt);
+        r.tangent += B * branch.stiffness * meanDecay(dt / branch.time);
     }
-    return {B * moment, B * tangent, plastic, hardened};
+    return r;
+}
+
+void materialNeighbours(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q,
+                        const Eigen::VectorXd& q1, double dt, std::vector<NeighbourResponse>& out) {
+    springNeighbours(rod, m, q1, dt, out);
+    if (m.model.viscosity == 0.0 && m.model.branches.empty())
+        return;
+    double tangent = m.model.viscosity / dt;
+    for (const MaxwellBranch& branch : m.model.branches)
+        tangent += branch.stiffness * meanDecay(dt / branch.time);
+    auto pair = out.begin();
+    rod::forNeighbours(rod, [&](int before, int after, double c) {
+        const auto a = static_cast<std::size_t>(after), b = static_cast<std::size_t>(before);
+        const int da = rod.dofOfElement(after), db = rod.dofOfElement(before);
+        const double change = (q1[da] - q[da]) - (q1[db] - q[db]);
+        double moment = m.model.viscosity * change / dt;
+        for (std::size_t k = 0; k < m.model.branches.size(); ++k)
+            moment += m.model.branches[k].stiffness *
+                      relaxed(m.model.branches[k], m.overstress[k][a] - m.overstress[k][b], change, dt);
+        const double weight = rod.definition().bendingModulus * c;
+        pair->forceAfter += weight * moment;
+        pair->forceBefore -= weight * moment;
+        pair->ownAfter += weight * tangent;
+        pair->ownBefore += weight * tangent;
+        pair->cross -= weight * tangent;
+        ++pair;
+    });
 }
 
 void storedEnergy(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q, EffectEnergies& energies) {
     for (std::size_t k = 0; k <= static_cast<std::size_t>(Key::SofteningOverTime);
          ++k) // the keys of this slot come first
         energies[k].stored = 0.0;
-    const double B = rod.definition().bendingModulus;
-    for (int e = 0; e < rod.elements(); ++e)
-        storedLine(rod, m, static_cast<std::size_t>(e), q[rod.dofOfElement(e)], [&](Key cause, double energy) {
-            energies[static_cast<std::size_t>(cause)].stored += B * rod.elementLength(e) * energy;
-        });
+    // By cause, each relative to the state without it.
+    double last = rod::bendingEnergy(rod, q);
+    const auto next = [&](Key cause, const Counted& counted) {
+        const double energy = energyWith(rod, m, q, counted);
+        energies[static_cast<std::size_t>(cause)].stored += energy - last;
+        last = energy;
+    };
+    const std::size_t n = m.model.profiles.size();
+    for (std::size_t k = 0; k < n; ++k)
+        next(m.model.profiles[k].cause, {k + 1, false, false, 1.0});
+    if (std::isfinite(m.model.yield))
+        next(Key::Plasticity, {n, true, false, 1.0});
+    if (m.model.elastic.law != ElasticModel::Law::Linear)
+        next(Key::NonlinearElasticity, {n, true, true, 1.0});
+    if (m.model.softening != 0.0)
+        next(Key::SofteningOverTime, {n, true, true, remaining(m.model, m.age)});
+    for (std::size_t b = 0; b < m.model.branches.size(); ++b)
+        energies[static_cast<std::size_t>(Key::ViscoelasticBending)].stored += sumOf(
+            rod, [&](double z, double) { return 0.5 * m.model.branches[b].stiffness * z * z; }, m.overstress[b],
+            m.overstress[b]);
 }
+
+namespace {
+
+/// Moves the plastic state over a step. Returns what it dissipates, J: the work of the yield moment, and what the pairs
+/// give when the elastic strain of one side falls.
+double yielded(const rod::RodModel& rod, Material& m, const Eigen::VectorXd& q, const Eigen::VectorXd& q1, double dt) {
+    std::vector<NeighbourResponse> early, late;
+    springNeighbours(rod, m, q, 0.0, early);
+    springNeighbours(rod, m, q1, dt, late);
+    const double widening = m.model.kinematic ? 0.0 : m.model.hardening;
+    std::vector<double> flown(static_cast<std::size_t>(rod.elements()));
+    double work = 0.0;
+    for (int i = 0; i < rod.elements(); ++i) {
+        const auto e = static_cast<std::size_t>(i);
+        const MaterialResponse r = springResponse(rod, m, i, q1[rod.dofOfElement(i)], dt);
+        const double slid = r.hardened - m.hardened[e];
+        if (slid > 0.0)
+            work += rod.definition().bendingModulus * rod.elementLength(i) * slid *
+                    (m.model.yield + widening * (m.hardened[e] + 0.5 * slid));
+        flown[e] = r.plastic - m.plastic[e];
+        m.plastic[e] = r.plastic;
+        m.hardened[e] = r.hardened;
+    }
+    for (std::size_t k = 0; k < late.size(); ++k)
+        work -= 0.5 * ((early[k].forceBefore + late[k].forceBefore) * flown[static_cast<std::size_t>(late[k].before)] +
+                       (early[k].forceAfter + late[k].forceAfter) * flown[static_cast<std::size_t>(late[k].after)]);
+    return work;
+}
+
+} // namespace
 
 void advance(const rod::RodModel& rod, const Eigen::VectorXd& q, const Eigen::VectorXd& q1, double dt, Material& m,
              EffectEnergies& energies) {
-    const double B = rod.definition().bendingModulus;
-    const Section& section = m.cumulativeSections.back();
-    const double lost = remaining(m.model, m.age) - remaining(m.model, m.age + dt);
-    for (int i = 0; i < rod.elements(); ++i) {
-        const auto e = static_cast<std::size_t>(i);
-        const int dof = rod.dofOfElement(i);
-        const double before = q[dof], now = q1[dof], change = now - before, weight = B * rod.elementLength(i);
-        const auto lose = [&](Key cause, double energy) {
-            energies[static_cast<std::size_t>(cause)].dissipated += weight * energy;
-        };
-        const double u0 = before - naturalCurvature(rod, i) - section.curvature[e] - m.plastic[e];
-        if (lost != 0.0) // the spring softens under load and loses its energy
-            lose(Key::SofteningOverTime, lost * section.factor[e] * evaluate(m.model.elastic, u0).energy);
-        const MaterialResponse r = materialResponse(rod, m, i, before, now, dt);
-        const double slid = r.hardened - m.hardened[e];
-        lose(Key::Plasticity, slid > 0.0 ? slid * (m.model.yield + (m.model.kinematic ? 0.0 : m.model.hardening) *
-                                                                       (m.hardened[e] + 0.5 * slid))
-                                         : 0.0);
-        m.plastic[e] = r.plastic;
-        m.hardened[e] = r.hardened;
-        lose(Key::ViscoelasticBending, m.model.viscosity * change * change / dt);
-        for (std::size_t b = 0; b < m.model.branches.size(); ++b) {
-            const MaxwellBranch& branch = m.model.branches[b];
-            lose(Key::ViscoelasticBending, branch.stiffness * dashpot(branch, m.overstress[b][e], change, dt));
-            m.overstress[b][e] = relaxed(branch, m.overstress[b][e], change, dt);
-        }
+    const auto lose = [&](Key cause, double energy) { energies[static_cast<std::size_t>(cause)].dissipated += energy; };
+    if (m.model.softening != 0.0) // the spring softens under load and loses its energy
+        lose(Key::SofteningOverTime, springEnergy(rod, m, q, 0.0) - springEnergy(rod, m, q, dt));
+    std::vector<double> change(static_cast<std::size_t>(rod.elements())); // of the curvatures
+    for (int i = 0; i < rod.elements(); ++i)
+        change[static_cast<std::size_t>(i)] = q1[rod.dofOfElement(i)] - q[rod.dofOfElement(i)];
+    if (std::isfinite(m.model.yield))
+        lose(Key::Plasticity, yielded(rod, m, q, q1, dt));
+    if (m.model.viscosity != 0.0)
+        lose(Key::ViscoelasticBending,
+             sumOf(
+                 rod, [&](double x, double) { return m.model.viscosity * x * x / dt; }, change, change));
+    for (std::size_t b = 0; b < m.model.branches.size(); ++b) {
+        const MaxwellBranch& branch = m.model.branches[b];
+        std::vector<double>& overstress = m.overstress[b];
+        lose(Key::ViscoelasticBending,
+             sumOf(
+                 rod, [&](double z, double x) { return branch.stiffness * dashpot(branch, z, x, dt); }, overstress,
+                 change));
+        for (std::size_t e = 0; e < overstress.size(); ++e)
+            overstress[e] = relaxed(branch, overstress[e], change[e], dt);
     }
     m.age += dt;
     storedEnergy(rod, m, q1, energies);

@@ -5,9 +5,9 @@
 //
 // phi, delta: profiles (damage, defects, gradients), averaged over the element (profile.h); f(t): softening with age;
 // g: elastic law (linear, softening, stiffening, Ramberg-Osgood, learned); kappa_p: plastic curvature, found by
-// implicit return mapping. Curvature is a coordinate of the rod, so the law is local. It is evaluated at the end of a
-// step; Maxwell branches use the exact answer to a steady rate within the step, which neither oscillates nor needs
-// small steps.
+// implicit return mapping. Curvature is a coordinate of the rod, so the law is local, but for what neighbours take from
+// each other where the moment varies along the rod (rod/elasticity.h). It is evaluated at the end of a step; Maxwell
+// branches use the exact answer to a steady rate within the step, which neither oscillates nor needs small steps.
 
 #include "supercircle/effects/laws/profile.h"
 #include "supercircle/rod/model.h"
@@ -43,6 +43,18 @@ struct MaterialResponse {
 MaterialResponse springResponse(const rod::RodModel& rod, const Material& material, int element, double curvature,
                                 double ahead);
 
+/// What neighbouring elements take from each other, beside their own moments.
+struct NeighbourResponse {
+    int before = 0, after = 0;                  ///< elements
+    double forceBefore = 0.0, forceAfter = 0.0; ///< on their curvatures, N m^2
+    double ownBefore = 0.0, ownAfter = 0.0,
+           cross = 0; ///< slopes of these forces, those of nonlinear laws roughly, N m^3
+};
+
+/// The pairs of springResponse(), in `out`, at the curvatures of q.
+void springNeighbours(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q, double ahead,
+                      std::vector<NeighbourResponse>& out);
+
 /// Energy of these springs in place of the rod's own, J, `ahead` s from now at the curvatures of q.
 double springEnergy(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q, double ahead);
 
@@ -50,7 +62,11 @@ double springEnergy(const rod::RodModel& rod, const Material& material, const Ei
 MaterialResponse materialResponse(const rod::RodModel& rod, const Material& material, int element, double before,
                                   double now, double dt);
 
-/// Energy stored in the effects beyond the rod's own 1/2 B (kappa - kappa0)^2, by cause, J.
+/// The pairs of materialResponse(), in `out`, at the end of a step of `dt` from q to q1.
+void materialNeighbours(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q,
+                        const Eigen::VectorXd& q1, double dt, std::vector<NeighbourResponse>& out);
+
+/// Energy stored in the effects beyond the rod's own bending energy, by cause, J.
 void storedEnergy(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q,
                   EffectEnergies& energies);
 

@@ -21,10 +21,10 @@ constexpr double kMostTurning = 0.1;
 
 constexpr double kFlatness = 0.0025; ///< h, see collectRolling
 
-/// Part of an element's bending stiffness up to which tension may act on its own curvature explicitly. Twice as much is
-/// where a massless strip begins to flutter with a period of two steps; with half of it nothing becomes better, and
-/// shells that bend more than they hang change their digits.
-constexpr double kExplicitShare = 0.25;
+/// Part of an element's bending stiffness up to which tension may act on its own curvature explicitly: a quarter of
+/// what neighbours leave where curvatures alternate (rod/elasticity.h), a third. Twice as much is where a massless
+/// strip begins to flutter with a period of two steps; with half of it nothing becomes better.
+constexpr double kExplicitShare = 0.25 / 3.0;
 
 bool isBefore(const LoadedPoint& x, const LoadedPoint& y) {
     return std::tie(x.first, x.other, x.s) < std::tie(y.first, y.other, y.s);

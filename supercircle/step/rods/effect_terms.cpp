@@ -1,5 +1,6 @@
 #include "supercircle/step/rods/effect_terms.h"
 
+#include "supercircle/rod/elasticity.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -21,8 +22,51 @@ double extraMoment(const Rod& rod, int element, double now, double moment) {
                         (now - rod.model.definition().naturalCurvature[static_cast<std::size_t>(element)]);
 }
 
+/// Pairs of the effects at the end of a step to q1: what differs from linear bending.
+void extraPairs(const Rod& rod, const Eigen::VectorXd& q1, double dt, std::vector<effects::NeighbourResponse>& pairs) {
+    effects::materialNeighbours(rod.model, rod.effects.material, rod.q, q1, dt, pairs);
+    auto p = pairs.begin();
+    rod::forNeighbours(rod.model, [&](int before, int after, double c) {
+        const auto strain = [&](int e) {
+            return q1[rod.model.dofOfElement(e)] - rod.model.definition().naturalCurvature[static_cast<std::size_t>(e)];
+        };
+        const double k = rod.model.definition().bendingModulus * c, moment = k * (strain(after) - strain(before));
+        p->forceAfter -= moment;
+        p->forceBefore += moment;
+        p->ownAfter -= k;
+        p->ownBefore -= k;
+        p->cross += k;
+        ++p;
+    });
+}
+
+/// Linearised forces of a pair, before and after, at the curvatures of q1.
+Vec2 linearPair(const Rod& rod, const EffectWork& work, const effects::NeighbourResponse& p,
+                const Eigen::VectorXd& q1) {
+    const int b = rod.model.dofOfElement(p.before), a = rod.model.dofOfElement(p.after);
+    const double ofB = q1[b] - work.at[b], ofA = q1[a] - work.at[a];
+    return {p.forceBefore + p.ownBefore * ofB + p.cross * ofA, p.forceAfter + p.cross * ofB + p.ownAfter * ofA};
+}
+
+void addPairs(const Rod& rod, double dt, RodWork& w) {
+    EffectWork& work = w.effects;
+    work.at = 2.0 * w.qk - rod.q;
+    extraPairs(rod, work.at, dt, work.pairs);
+    for (const effects::NeighbourResponse& p : work.pairs) {
+        const int b = rod.model.dofOfElement(p.before), a = rod.model.dofOfElement(p.after);
+        const Vec2 force = linearPair(rod, work, p, rod.q);
+        w.A(b, b) -= dt * dt * p.ownBefore;
+        w.A(a, a) -= dt * dt * p.ownAfter;
+        w.A(a, b) -= dt * dt * p.cross;
+        w.A(b, a) -= dt * dt * p.cross;
+        w.rhs[b] += dt * force.x();
+        w.rhs[a] += dt * force.y();
+    }
+}
+
 void addMaterial(const Rod& rod, double dt, RodWork& w) {
     EffectWork& work = w.effects;
+    addPairs(rod, dt, w);
     const int n = rod.model.elements();
     work.curvature.resize(static_cast<std::size_t>(n));
     work.moment.resize(static_cast<std::size_t>(n));
@@ -110,6 +154,14 @@ double effectError(const Rod& rod, double dt, const RodWork& w) {
             const double linear = work.moment[k] + work.tangent[k] * (now - work.curvature[k]);
             worst = std::max(worst, std::abs(extraMoment(rod, e, now, r.moment) - linear) / unit);
         }
+        std::vector<effects::NeighbourResponse> pairs;
+        extraPairs(rod, w.q1, dt, pairs);
+        for (std::size_t k = 0; k < work.pairs.size(); ++k) {
+            const effects::NeighbourResponse& p = pairs[k];
+            const Vec2 missed = linearPair(rod, work, work.pairs[k], w.q1) - Vec2(p.forceBefore, p.forceAfter);
+            const double l = std::min(rod.model.elementLength(p.before), rod.model.elementLength(p.after));
+            worst = std::max(worst, missed.cwiseAbs().maxCoeff() / (l * unit));
+        }
     }
     if (rod.effects.drag.on()) {
         const double unit = kDragTolerance * rod.effects.drag.model.force * rod.model.definition().length;
@@ -135,6 +187,10 @@ EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w) {
             const int dof = rod.model.dofOfElement(e);
             given += rod.model.elementLength(e) * (w.q1[dof] - rod.q[dof]) *
                      (work.moment[k] + work.tangent[k] * (w.q1[dof] - work.curvature[k]));
+        }
+        for (const effects::NeighbourResponse& p : work.pairs) {
+            const int b = rod.model.dofOfElement(p.before), a = rod.model.dofOfElement(p.after);
+            given -= linearPair(rod, work, p, w.q1).dot(Vec2(w.q1[b] - rod.q[b], w.q1[a] - rod.q[a]));
         }
         effects::advance(rod.model, rod.q, w.q1, dt, fx.material, fx.energies);
     }

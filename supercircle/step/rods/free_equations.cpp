@@ -47,14 +47,30 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
     for (Eigen::Index i = 0; i < n_; ++i)
         if (i < X || i == T)
             w_.A(X, i) = w_.A(i, X) = w_.A(Y, i) = w_.A(i, Y) = 0.0;
-    for (int i = 0; i < model.elements(); ++i) {
-        const int element = model.elementOfDof(i);
-        w_.A(i, i) += tau * (tau * tangentOf(element, q[i]) + viscosity_ * rod::bendingStiffness(model, element));
-    }
+    for (int i = 0; i < model.elements(); ++i)
+        w_.A(i, i) += tau * tau * tangentOf(model.elementOfDof(i), q[i]);
+    if (rod_.effects.material.on())
+        addPairs(tau * tau, q);
+    else
+        rod::addNeighbourStiffness(model, tau * tau, w_.A);
+    if (viscosity_ > 0.0)
+        rod::addBendingStiffness(model, tau * viscosity_, w_.A);
     addRelaxingTangent(rod_, tau, w_.A);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
+}
+
+/// Slopes of the forces between neighbours of a material, in place of the rod's own.
+void FreeEquations::addPairs(double factor, const Eigen::VectorXd& q) {
+    effects::springNeighbours(rod_.model, rod_.effects.material, q, 0.0, f_.pairs);
+    for (const effects::NeighbourResponse& p : f_.pairs) {
+        const int b = rod_.model.dofOfElement(p.before), a = rod_.model.dofOfElement(p.after);
+        w_.A(b, b) -= factor * p.ownBefore;
+        w_.A(a, a) -= factor * p.ownAfter;
+        w_.A(a, b) -= factor * p.cross;
+        w_.A(b, a) -= factor * p.cross;
+    }
 }
 
 /// Slope of the elastic moment of an element times its length, N m^3.
@@ -71,13 +87,20 @@ void FreeEquations::addBending(double tau, double ahead, FreeStage& s) {
     const bool effects = rod_.effects.material.on();
     if (!effects)
         rod::addBendingForce(model, s.q, f_.force);
-    for (int k = 0; k < model.elements(); ++k) {
+    for (int k = 0; effects && k < model.elements(); ++k) {
         const int element = model.elementOfDof(k);
-        if (effects)
-            f_.force[k] -= model.elementLength(element) *
-                           effects::springResponse(model, rod_.effects.material, element, s.q[k], ahead).moment;
-        f_.force[k] -= viscosity_ * rod::bendingStiffness(model, element) * s.v[k];
+        f_.force[k] -= model.elementLength(element) *
+                       effects::springResponse(model, rod_.effects.material, element, s.q[k], ahead).moment;
     }
+    if (effects) {
+        effects::springNeighbours(model, rod_.effects.material, s.q, ahead, f_.pairs);
+        for (const effects::NeighbourResponse& p : f_.pairs) {
+            f_.force[model.dofOfElement(p.before)] += p.forceBefore;
+            f_.force[model.dofOfElement(p.after)] += p.forceAfter;
+        }
+    }
+    if (viscosity_ > 0.0)
+        rod::addBendingDrag(model, viscosity_, s.v, f_.force);
     addRelaxing(rod_, tau, s, f_.force);
 }
 

@@ -16,8 +16,23 @@ void forBranches(const Rod& rod, Visit&& visit) {
     const int elements = rod.effects.material.on() ? rod.model.elements() : 0;
     for (std::size_t b = 0; b < branches.size(); ++b)
         for (int e = 0; e < elements; ++e)
-            visit(branches[b], e, rod.model.dofOfElement(e),
+            visit(branches[b], rod.model.dofOfElement(e),
                   b * static_cast<std::size_t>(elements) + static_cast<std::size_t>(e));
+}
+
+/// Calls `visit(branch, its overstress by degrees of freedom)` for all branches.
+template <class Visit>
+void forOverstress(const Rod& rod, const std::vector<double>& overstress, Visit&& visit) {
+    const std::vector<effects::MaxwellBranch>& branches = rod.effects.material.model.branches;
+    if (!rod.effects.material.on() || branches.empty())
+        return;
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(rod.model.dofs());
+    const auto* from = overstress.data();
+    for (const effects::MaxwellBranch& b : branches) {
+        for (int e = 0; e < rod.model.elements(); ++e)
+            z[rod.model.dofOfElement(e)] = *from++;
+        visit(b, z);
+    }
 }
 
 } // namespace
@@ -39,22 +54,25 @@ void startMaterial(std::size_t stage, FreeWork& f) {
 }
 
 void relax(const Rod& rod, double tau, FreeStage& s) {
-    forBranches(rod, [&](const effects::MaxwellBranch& b, int, int dof, std::size_t at) {
+    forBranches(rod, [&](const effects::MaxwellBranch& b, int dof, std::size_t at) {
         s.overstress[at] = (s.overstress0[at] + tau * s.v[dof]) / (1.0 + tau / b.time);
     });
 }
 
 void addRelaxing(const Rod& rod, double tau, FreeStage& s, Eigen::VectorXd& force) {
     relax(rod, tau, s);
-    forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int dof, std::size_t at) {
-        force[dof] -= b.stiffness * rod::bendingStiffness(rod.model, element) * s.overstress[at];
+    forOverstress(rod, s.overstress, [&](const effects::MaxwellBranch& b, const Eigen::VectorXd& z) {
+        rod::addBendingDrag(rod.model, b.stiffness, z, force);
     });
 }
 
 void addRelaxingTangent(const Rod& rod, double tau, Eigen::MatrixXd& A) {
-    forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int dof, std::size_t) {
-        A(dof, dof) += tau * tau * b.stiffness / (1.0 + tau / b.time) * rod::bendingStiffness(rod.model, element);
-    });
+    double factor = 0.0;
+    if (rod.effects.material.on())
+        for (const effects::MaxwellBranch& b : rod.effects.material.model.branches)
+            factor += tau * tau * b.stiffness / (1.0 + tau / b.time);
+    if (factor > 0.0)
+        rod::addBendingStiffness(rod.model, factor, A);
 }
 
 bool yields(const Rod& rod, const FreeWork& f, double first, double second) {
@@ -75,8 +93,8 @@ double bentEnergy(const Rod& rod, const Eigen::VectorXd& q, const std::vector<do
     if (!rod.effects.material.on())
         return rod::bendingEnergy(rod.model, q);
     double energy = effects::springEnergy(rod.model, rod.effects.material, q, ahead);
-    forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int, std::size_t at) {
-        energy += 0.5 * b.stiffness * rod::bendingStiffness(rod.model, element) * overstress[at] * overstress[at];
+    forOverstress(rod, overstress, [&](const effects::MaxwellBranch& b, const Eigen::VectorXd& z) {
+        energy += 0.5 * b.stiffness * rod::bendingForm(rod.model, z);
     });
     return energy;
 }
@@ -91,9 +109,8 @@ void takeMaterial(const Rod& rod, double start, double size, FreeWork& f) {
                                  effects::springEnergy(rod.model, m, *end, start + size));
     for (std::size_t stage = 0; stage < 2; ++stage) {
         const double weight = (stage == 0 ? kExtrapolate : 1.0) * kGamma * size;
-        forBranches(rod, [&](const effects::MaxwellBranch& b, int element, int, std::size_t at) {
-            const double z = f.stages[stage].overstress[at];
-            f.relaxed += weight * b.stiffness / b.time * rod::bendingStiffness(rod.model, element) * z * z;
+        forOverstress(rod, f.stages[stage].overstress, [&](const effects::MaxwellBranch& b, const Eigen::VectorXd& z) {
+            f.relaxed += weight * b.stiffness / b.time * rod::bendingForm(rod.model, z);
         });
     }
     f.overstress = f.stages[1].overstress;

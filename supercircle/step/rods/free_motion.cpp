@@ -175,12 +175,11 @@ double FreeMotion::errorOf(double tau) {
         FreeWork& f = system_.free(i);
         const FreeStage &one = f.stages[0], &two = f.stages[1];
         energy += 0.5 * std::max(0.0, f.change.dot(f.product));
+        const auto bent = tau * (two.v - one.v);
+        energy += 0.5 * rod::bendingForm(model, bent);
         double way = 0.0;
-        for (int k = 0; k < model.elements(); ++k) {
-            const double bent = tau * (two.v[k] - one.v[k]);
-            energy += 0.5 * rod::bendingStiffness(model, model.elementOfDof(k)) * bent * bent;
-            way += std::abs(bent) * model.elementLength(model.elementOfDof(k));
-        }
+        for (int k = 0; k < model.elements(); ++k)
+            way += std::abs(bent[k]) * model.elementLength(model.elementOfDof(k));
         if (inexact_) {
             const Eigen::Index T = model.dofTheta(), x = model.dofX();
             way += tau * (std::abs(two.v[T] - one.v[T]) +
@@ -202,14 +201,7 @@ double FreeMotion::errorOf(double tau) {
 double leastBending(const rod::RodModel& model, const FreeWork& f, double size) {
     const FreeStage& end = f.stages[1];
     const double from = rod::bendingEnergy(model, f.q), to = rod::bendingEnergy(model, end.q);
-    double falls = 0.0, rises = 0.0; // rates times size
-    for (int i = 0; i < model.elements(); ++i) {
-        const int element = model.elementOfDof(i);
-        const double k = size * rod::bendingStiffness(model, element);
-        const double natural = model.definition().naturalCurvature[static_cast<std::size_t>(element)];
-        falls += k * (f.q[i] - natural) * f.v[i];
-        rises += k * (end.q[i] - natural) * end.v[i];
-    }
+    const double falls = size * rod::bendingRate(model, f.q, f.v), rises = size * rod::bendingRate(model, end.q, end.v);
     double least = std::min(from, to);
     if (falls < 0.0 && rises > 0.0)
         for (const double x : {0.2, 0.35, 0.5, 0.65, 0.8}) {
@@ -243,9 +235,8 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
     for (int stage = 0; stage < 2; ++stage) {
         const FreeStage& s = f.stages[static_cast<std::size_t>(stage)];
         const double weight = stage == 0 ? kExtrapolate : 1.0; // times tau
-        for (int k = 0; k < model.elements(); ++k)
-            f.damped +=
-                weight * tau * viscosity * rod::bendingStiffness(model, model.elementOfDof(k)) * s.v[k] * s.v[k];
+        if (viscosity > 0.0)
+            f.damped += weight * tau * viscosity * rod::bendingForm(model, s.v);
     }
     takeMaterial(rod, start, size, f);
 }

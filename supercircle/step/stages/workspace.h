@@ -44,6 +44,8 @@ struct MouseJointWork {
 /// The effects on a rod, linearised (effect_terms.h).
 struct EffectWork {
     std::vector<double> curvature, moment, tangent; ///< per element: where, extra moment (N m), its slope (N m^2)
+    Eigen::VectorXd at;                             ///< the same curvatures by degrees of freedom
+    std::vector<effects::NeighbourResponse> pairs;  ///< there, less those of the rod without effects
     std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
     std::vector<Vec2> way;                                      ///< in the step as predicted, m
     std::vector<effects::DragResponse> drag;
@@ -103,10 +105,11 @@ struct FreeWork {
     Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m
     double about = 0.0;                                        ///< farthest way of its points about it, m
     std::vector<SelfPair> selfPairs;
-    double closest = 0.0;                       ///< smallest gap of those so far, m
-    Eigen::Index held = 0;                      ///< rows of its holds; those of its joints follow
-    std::vector<Eigen::Index> place;            ///< of its rows among those of its group
-    Eigen::MatrixXd heldRows, C, solved, schur; ///< rows of the holds, all of them, A^-1 C^T, C A^-1 C^T
+    std::vector<effects::NeighbourResponse> pairs; ///< storage: of its material
+    double closest = 0.0;                          ///< smallest gap of those so far, m
+    Eigen::Index held = 0;                         ///< rows of its holds; those of its joints follow
+    std::vector<Eigen::Index> place;               ///< of its rows among those of its group
+    Eigen::MatrixXd heldRows, C, solved, schur;    ///< rows of the holds, all of them, A^-1 C^T, C A^-1 C^T
     Eigen::VectorXd mean[2], rates, impulse, shape, rate, force, product, change;
     Eigen::RowVectorXd turn;
     std::vector<Vec2> u;

@@ -7,6 +7,7 @@
 #include "supercircle/effects/laws/material.h"
 #include "supercircle/effects/sensor.h"
 #include "supercircle/effects/surface.h"
+#include "supercircle/rod/elasticity.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -54,6 +55,7 @@ Balance bendToAndFro(const rod::RodModel& rod, Material material, int n, double 
     };
     const double start = total();
     Balance out;
+    std::vector<NeighbourResponse> early, late;
     for (int i = 0; i < n; ++i) {
         shape(2.0 * M_PI * 1.3 * (i + 1) / n, q1);
         const EffectEnergies before = energies;
@@ -67,6 +69,23 @@ Balance bendToAndFro(const rod::RodModel& rod, Material material, int n, double 
             const double dashpot = B * material.model.viscosity * (b - a) / dt;
             out.given += rod.elementLength(e) * (b - a) * 0.5 * (extra(a, b) + extra(a, a + 1e-9 * (b - a)) + dashpot);
         }
+        // The same of neighbours, without those of linear bending and with the whole dashpot at the early end too.
+        materialNeighbours(rod, material, q, q1, dt, late);
+        springNeighbours(rod, material, q, 0.0, early);
+        std::size_t pair = 0;
+        rod::forNeighbours(rod, [&](int first, int second, double c) {
+            const int db = rod.dofOfElement(first), da = rod.dofOfElement(second);
+            const double ofB = q1[db] - q[db], ofA = q1[da] - q[da];
+            const double linear = 0.5 * B * c * (q1[da] + q[da] - q1[db] - q[db]);
+            double dashpot = B * c * material.model.viscosity * (ofA - ofB) / dt;
+            for (std::size_t j = 0; j < material.model.branches.size(); ++j)
+                dashpot += B * c * material.model.branches[j].stiffness *
+                           (material.overstress[j][static_cast<std::size_t>(second)] -
+                            material.overstress[j][static_cast<std::size_t>(first)]);
+            out.given -= ofA * (0.5 * (late[pair].forceAfter + early[pair].forceAfter + dashpot) - linear) +
+                         ofB * (0.5 * (late[pair].forceBefore + early[pair].forceBefore - dashpot) + linear);
+            ++pair;
+        });
         advance(rod, q, q1, dt, material, energies);
         for (std::size_t k = 0; k < kKeys; ++k)
             out.leastDissipated = std::min(out.leastDissipated, energies[k].dissipated - before[k].dissipated);

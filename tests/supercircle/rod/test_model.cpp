@@ -73,7 +73,7 @@ TEST_CASE("bending energy is zero at the natural shape, exact for arcs, and the 
         double sum = 0.0;
         for (int i = 0; i < n; ++i)
             sum += bendingEnergy(model, q, i);
-        CHECK(sum == Approx(bendingEnergy(model, q)).epsilon(1e-15));
+        CHECK(sum == Approx(bendingEnergy(model, q)).epsilon(1e-15)); // neighbours bent alike take nothing
         q = shapesOf(model)[3].q;
         force.setConstant(0.25); // "adds"
         addBendingForce(model, q, force);

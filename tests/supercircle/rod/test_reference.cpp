@@ -90,8 +90,7 @@ Eigen::VectorXd frequencies(const RodModel& model, bool clamped) {
     Eigen::MatrixXd M;
     massMatrix(model, kin, field, M);
     Eigen::MatrixXd K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs()); // no stress, no geometric stiffness
-    for (int i = 0; i < model.elements(); ++i)
-        K(i, i) = bendingStiffness(model, model.elementOfDof(i));
+    addBendingStiffness(model, 1.0, K);
     Eigen::MatrixXd Z = Eigen::MatrixXd::Identity(model.dofs(), model.dofs());
     if (clamped) {
         Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, model.dofs());
@@ -161,7 +160,7 @@ TEST_CASE("gravity sag: a very heavy cantilever, Gamma = 1000", "[reference]") {
     CHECK(fine.back().tip < 0.001);
 }
 
-TEST_CASE("gravity sag: the tip converges with second order in the number of elements", "[reference]") {
+TEST_CASE("gravity sag: the tip converges with second order or faster in the number of elements", "[reference]") {
     for (const char* file : {"T4_cantilever_straight_coarse.csv", "T4_cantilever_c+1.000.csv"}) {
         std::vector<double> error;
         for (const int n : {8, 16, 32, 64})
@@ -169,15 +168,15 @@ TEST_CASE("gravity sag: the tip converges with second order in the number of ele
         for (std::size_t i = 0; i + 1 < error.size(); ++i) {
             const double slope = std::log2(error[i] / error[i + 1]);
             INFO(file << ": errors " << error[i] << " -> " << error[i + 1]);
-            CHECK(slope > 1.8);
-            CHECK(slope < 2.2);
+            CHECK(slope > 1.8); // 3 in the end: what is left comes from the clamped end
         }
+        CHECK(error[1] < 5e-5); // 16 elements; 4e-4 without what neighbours take from each other
     }
 }
 
 TEST_CASE("gravity sag: frequencies of free and clamped arcs", "[reference]") {
-    // Curvatures constant by element are a subspace of all curvatures: Rayleigh quotients converge from above, with
-    // second order. At 15 elements: one per cent for two modes, two for the third (11 rad of wave on 15 elements).
+    // A tenth of a per cent with 15 elements for two modes, a fifth for the third (11 rad of wave on 15 elements), and
+    // a fourth of that at least with twice as many: free ends converge with fourth order, clamped ones with third.
     for (const auto& row : reference::read("T4_frequencies_arc_share.csv")) {
         const bool clamped = row.at("bc(0 free-free,1 clamped-free)") == 1.0;
         const double phi = row.at("Phi_over_2pi");
@@ -191,11 +190,9 @@ TEST_CASE("gravity sag: frequencies of free and clamped arcs", "[reference]") {
             const double error = omega[rigid + mode] / exact - 1.0;
             INFO("Phi_bar " << phi << (clamped ? " clamped-free" : " free-free") << ", mode " << mode + 1 << ": "
                             << omega[rigid + mode] << " against " << exact);
-            CHECK(error > 0.0);
-            CHECK(error < (mode < 2 ? 0.01 : 0.02));
-            const double ratio = error / (finer[rigid + mode] / exact - 1.0);
-            CHECK(ratio > 3.5);
-            CHECK(ratio < 4.5);
+            const double bound = mode < 2 ? 0.001 : 0.002;
+            CHECK(std::abs(error) < bound);
+            CHECK(std::abs(finer[rigid + mode] / exact - 1.0) < 0.25 * bound);
         }
     }
 }

@@ -144,7 +144,7 @@ struct FrameEvents {
 /// Thresholds of events. T = L^2 sqrt(lambda / B) is 43 ms for the default shell, B / L is 2.5 mJ.
 struct EventSettings {
     double impulse_threshold = std::numeric_limits<double>::infinity(); ///< N s; infinite: no impulse events
-    double snap_energy = 0.02;                                          ///< least elastic energy released, in B / L, 1
+    double snap_energy = 0.04;                                          ///< least elastic energy released, in B / L, 1
     double snap_time = 0.1; ///< the short time, in T, 1; the longer time before is six times as long
 };
 

@@ -1,8 +1,9 @@
 #pragma once
 // Model error of the simulation in each row, and rows that are excluded.
-// - Discretisation: the error falls with the square of the arc length. Richardson extrapolation (L. F. Richardson,
-// Phil. Trans. R. Soc. A 210 (1911) 307) removes it; a quarter stays as model error, all of it where it changes
-// quickly. Beside it stand contact positions known to micrometres and a share of the peak force (decision 0072).
+// - Discretisation: the error falls with the third power of the arc length (rod/elasticity.h). Richardson
+// extrapolation (L. F. Richardson, Phil. Trans. R. Soc. A 210 (1911) 307) removes it; a quarter stays as model error,
+// all of it where it changes quickly. Beside it stand contact positions known to micrometres and a share of the peak
+// force (decision 0072).
 // - Excluded are rows around snaps and abrupt reversals, rows near a contact at which the force is present immediately,
 // and markers after a release (decision 0074). The time of a jump is a row of its own (jumps.h).
 
@@ -23,8 +24,8 @@ struct LikelihoodSettings {
     double shareOfPeak =
         4e-4; ///< accuracy of a corrected simulation, share of the peak force, with the model's correlation time
     double scale = 1e-3; ///< accuracy common to a whole run, share of the force
-    /// Error of the fine simulation per difference of the finer one to it: 1 / (1 - (31/61)^2).
-    double refinement = 1.348;
+    /// Error of the fine simulation per difference of the finer one to it: 1 / (1 - (31/61)^3).
+    double refinement = 1.151;
     double uncorrected = 0.25;       ///< share of the correction that stays as model error
     bool discretised = true;         ///< simulations have an error of discretisation: those of bodies alone have none
     double repeatFactor = 1.0;       ///< factor of all model errors: forRepeats()

@@ -101,7 +101,7 @@ TEST_CASE("an arch behind a compliance in other units is the same simulation", "
     check(e, p, 1e-9);
 }
 
-// A strip pressed lengthwise buckles, which amplifies both more: 2e-9 at a tenth of the size.
+// A strip pressed lengthwise buckles, and a ring turns over, which amplifies both more: 2e-9 at a tenth of the size.
 TEST_CASE("a strip in other units is the same simulation", "[replay][units]") {
     const experiment::Experiment e = baseline(104);
     check(e, replay::nominal(e), 1e-8);
@@ -109,7 +109,7 @@ TEST_CASE("a strip in other units is the same simulation", "[replay][units]") {
 
 TEST_CASE("a ring in other units is the same simulation", "[replay][units]") {
     const experiment::Experiment e = ring();
-    check(e, replay::nominal(e), 1e-9);
+    check(e, replay::nominal(e), 1e-8);
 }
 
 namespace {

@@ -93,7 +93,7 @@ def another_specimen(draw, specimen):
         edge[key] = stated[key].value + sign * stated[key].half
         specimen.numbers[key] = stated[key].value + sign * draw.uniform(3.0, 6.0) * stated[key].half
     at_edge = Baseline(specimen.scaled, edge, specimen.description.numbers(), specimen.zeros())
-    seen = at_edge.sigma_of(specimen.scaled(specimen.numbers, []) - at_edge.readings, moved)
+    seen = at_edge.sigma_left(specimen.scaled(specimen.numbers, []), moved)
     return [name for _, name in moved] if seen >= STRENGTHS["strong"][0] else None
 
 

@@ -21,6 +21,7 @@ class Baseline:
         self.simulate, self.numbers = simulate, numbers
         self.readings = simulate(numbers, [])
         columns, self.keys = list(zeros), [None] * len(zeros)
+        self.deviation = {key: number.half / math.sqrt(3.0) for key, number in stated}  # of a number in its interval
         for key, number in stated:
             if number.half == 0.0:
                 continue
@@ -41,6 +42,44 @@ class Baseline:
         along = columns.T @ signature
         normal = columns.T @ columns + np.eye(columns.shape[1])
         return math.sqrt(max(0.0, signature @ signature - along @ np.linalg.solve(normal, along)))
+
+    def sigma_left(self, wanted, without=()):
+        """The same of readings that differ by more than the derivatives reach, such as another frequency: what is left
+        of them after the numbers, but for these, have absorbed what they can (Gauss and Newton, derivatives of the
+        start)."""
+        used = [i for i, key in enumerate(self.keys) if key is None or key not in without]
+        columns = self.columns[:, used]
+        normal = columns.T @ columns + np.eye(len(used))
+
+        def left(x):
+            numbers, linear = dict(self.numbers), np.zeros_like(self.readings)
+            for value, i in zip(x, used):
+                if self.keys[i] is None:
+                    linear = linear + value * self.columns[:, i]
+                else:
+                    numbers[self.keys[i]] += value * self.deviation[self.keys[i]]
+            return wanted - linear - self.simulate(numbers, [])
+
+        x = np.zeros(len(used))
+        rest = left(x)
+        cost = rest @ rest
+        for _ in range(5):
+            step = np.linalg.solve(normal, columns.T @ rest - x)
+            for share in (1.0, 0.4, 0.15):
+                try:
+                    following = left(x + share * step)
+                except (RuntimeError, ValueError):
+                    continue
+                lower = following @ following + np.sum((x + share * step)**2)
+                if lower < cost:
+                    break
+            else:
+                break
+            x, rest, before, cost = x + share * step, following, cost, lower
+            if cost > 0.95 * before:
+                break
+        clipped = np.clip(rest, -LARGEST_DEVIATION, LARGEST_DEVIATION)
+        return math.sqrt(clipped @ clipped + x @ x)
 
 
 def amplitude_for(baseline, effect, wanted, largest, tolerance=0.1):

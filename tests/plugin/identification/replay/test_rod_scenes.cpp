@@ -220,7 +220,7 @@ TEST_CASE("a released cantilever vibrates with its own frequency and damping", "
         return out;
     };
     // 97 % of the deflection is in the first mode, the rest shifts single crossings by less than 1e-3 of eight periods;
-    // 24 arcs change the frequency by 6e-4. The second mode adds or takes 2.5 %.
+    // 12 arcs change the frequency by 1e-4. The second mode adds or takes 2.5 %.
     const auto free = tops(R"("pull": 0.005)", 1.0);
     REQUIRE(free.size() > 8);
     const double period = (free[8].first - free[0].first) / 8.0;

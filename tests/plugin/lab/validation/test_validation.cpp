@@ -85,8 +85,7 @@ TEST_CASE("all curves and boundaries of the validation", "[validation][slow]") {
 }
 
 // Known deviations: the exact targets are asserted, and the tests may fail.
-TEST_CASE("boundary at 15 arcs for a shallow shell, and by a finite indentation near mu* = 0",
-          "[validation][slow]") {
+TEST_CASE("boundary at 15 arcs for a shallow shell, and by a finite indentation near mu* = 0", "[validation][slow]") {
     checkExperiment("snap_boundary", false, true);
 }
 TEST_CASE("closed ring at 31 arcs within one per cent", "[validation][slow]") {

@@ -85,9 +85,9 @@ scene::Drop dropOf(int count, double width) {
 } // namespace
 
 TEST_CASE("a snap at 60 frames a second has the force of theory for any number of arcs", "[plugin][game]") {
-    // Solved references T2 (zero thickness). Measured errors at most 0.9 % (Type I; it is the shell's thickness) and 3 %
-    // (Type II with 15 arcs, whose contact runs along the arms; else 0.6 %); 3 % is what a game is promised. The number
-    // of arcs makes no difference to Type I, and what the bends at its contacts make to Type II.
+    // Solved references T2 (zero thickness). Measured errors at most 0.9 % (Type I; it is the shell's thickness) and 3
+    // % (Type II with 15 arcs, whose contact runs along the arms; else 0.6 %); 3 % is what a game is promised. The
+    // number of arcs makes no difference to Type I, and what the bends at its contacts make to Type II.
     const auto check = [](double phiBar, double mu, double theory, double apart) {
         double least = 1e9, most = 0.0;
         for (const int elements : {15, 31, 61}) {

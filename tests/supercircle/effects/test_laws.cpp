@@ -218,6 +218,35 @@ TEST_CASE("the tangent of every material law is the derivative of its moment") {
     }
 }
 
+TEST_CASE("moments and what neighbours take from each other are the gradient of the energy of the springs") {
+    const rod::RodModel rod = shell();
+    for (const Model& m : {modelOf({"nonlinear_elasticity:law=softening", "nonlinear_elasticity:uc_1_m=80"}),
+                           modelOf({"nonlinear_elasticity:law=stiffening", "nonlinear_elasticity:uc_1_m=80"}),
+                           modelOf({"local_damage:stiffness_drop=0.5", "stiffness_gradient:gradient=0.2"}),
+                           modelOf({"softening_over_time:drop=0.3", "softening_over_time:tau_s=0.5"})}) {
+        const Material material = makeMaterial(rod, m.material);
+        Eigen::VectorXd q = Eigen::VectorXd::Zero(rod.dofs());
+        for (int e = 0; e < rod.elements(); ++e)
+            q[rod.dofOfElement(e)] = 52.0 + 40.0 * std::sin(1.0 + 0.9 * e);
+        Eigen::VectorXd force = Eigen::VectorXd::Zero(rod.dofs());
+        for (int e = 0; e < rod.elements(); ++e)
+            force[rod.dofOfElement(e)] -=
+                rod.elementLength(e) * springResponse(rod, material, e, q[rod.dofOfElement(e)], 0.1).moment;
+        std::vector<NeighbourResponse> pairs;
+        springNeighbours(rod, material, q, 0.1, pairs);
+        for (const NeighbourResponse& p : pairs) {
+            force[rod.dofOfElement(p.before)] += p.forceBefore;
+            force[rod.dofOfElement(p.after)] += p.forceAfter;
+        }
+        for (int e = 0; e < rod.elements(); ++e) {
+            const Eigen::VectorXd d = 1e-3 * Eigen::VectorXd::Unit(rod.dofs(), rod.dofOfElement(e));
+            const double slope =
+                (springEnergy(rod, material, q + d, 0.1) - springEnergy(rod, material, q - d, 0.1)) / 2e-3;
+            CHECK(force[rod.dofOfElement(e)] == Approx(-slope).epsilon(1e-6).margin(1e-6 * force.norm()));
+        }
+    }
+}
+
 TEST_CASE("the energy balance of materials holds to second order in the step, and dissipation never decreases") {
     const rod::RodModel rod = shell();
     for (const Model& m :

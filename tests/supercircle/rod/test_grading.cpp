@@ -5,6 +5,7 @@
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/rod/equilibrium.h"
 
+#include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
@@ -116,6 +117,37 @@ TEST_CASE("short elements where the moment runs steeply, and third order for any
     // The moment is piecewise linear with the same slope everywhere: equal arcs are optimal.
     for (const double refinement : {3.0, 0.4})
         CHECK(std::abs(clampedStrip(16, 1.0) - limit) < std::abs(clampedStrip(16, refinement) - limit));
+}
+
+TEST_CASE("bending is stable for any lengths of elements", "[grading]") {
+    // Each element keeps a third of its own stiffness at least, also beside one that is a thousand times as long.
+    for (const double ratio : {1.0, 1.5, 10.0, 1000.0})
+        for (const bool closed : {false, true})
+            for (const int n : {3, 4, 9}) {
+                RodDefinition d;
+                d.length = 1.0;
+                d.closed = closed;
+                d.naturalCurvature.assign(static_cast<std::size_t>(n), closed ? 2.0 * M_PI : 0.0);
+                double sum = 0.0;
+                for (int i = 0; i < n; ++i) {
+                    d.elementLength.push_back(std::min(i, n - 1 - i) % 2 == 0 ? ratio : 1.0); // mirrored
+                    sum += d.elementLength.back();
+                }
+                for (double& l : d.elementLength)
+                    l /= sum;
+                INFO(n << " elements, ratio " << ratio << ", closed " << closed);
+                REQUIRE(validate(d).empty());
+                const RodModel model(d);
+                Eigen::MatrixXd K = Eigen::MatrixXd::Zero(model.dofs(), model.dofs());
+                addBendingStiffness(model, 1.0, K);
+                Eigen::VectorXd own(n);
+                for (int i = 0; i < n; ++i)
+                    own[i] = bendingStiffness(model, model.elementOfDof(i));
+                const Eigen::MatrixXd scaled = own.cwiseSqrt().cwiseInverse().asDiagonal() * K.topLeftCorner(n, n) *
+                                               own.cwiseSqrt().cwiseInverse().asDiagonal();
+                CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().minCoeff() >
+                      1.0 / 3.0 - 1e-12);
+            }
 }
 
 TEST_CASE("a node lies where a rod is supported", "[grading]") {

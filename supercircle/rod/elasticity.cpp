@@ -10,16 +10,13 @@ double strain(const RodModel& model, const Eigen::VectorXd& q, int element) {
 
 } // namespace
 
-double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q, int element) {
-    const double e = strain(model, q, element);
-    return 0.5 * bendingStiffness(model, element) * e * e;
-}
-
 double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q) {
     const double B = model.definition().bendingModulus;
     double sum = 0.0;
-    for (int i = 0; i < model.elements(); ++i)
-        sum += bendingEnergy(model, q, i);
+    for (int i = 0; i < model.elements(); ++i) {
+        const double e = strain(model, q, i);
+        sum += 0.5 * bendingStiffness(model, i) * e * e;
+    }
     forNeighbours(model, [&](int before, int after, double c) {
         const double change = strain(model, q, after) - strain(model, q, before);
         sum -= 0.5 * B * c * change * change;

@@ -32,8 +32,6 @@ void forNeighbours(const RodModel& model, Visit&& visit) {
 
 /// Stored bending energy, J.
 double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q);
-/// Bending energy of one element, without what its neighbours give back, J.
-double bendingEnergy(const RodModel& model, const Eigen::VectorXd& q, int element);
 /// Adds the bending force -dE/dq to `force` (n entries).
 void addBendingForce(const RodModel& model, const Eigen::VectorXd& q, Eigen::VectorXd& force);
 /// Adds factor * d2E/dq2 to `matrix`.

@@ -190,7 +190,7 @@ std::pair<double, double> collapseLoad(const ForceCurve& load) {
         } else if (top > 1.0 && middle < 0.98 * top)
             return {d, top};
     }
-    return top > 1.0 ? std::pair(d, top) : std::pair(kNone, kNone); // the curve ends where the crown touches
+    return {kNone, kNone};
 }
 
 ForceCurve atZeroThickness(const ForceCurve& thin, const ForceCurve& twice, double from, double to, int count) {

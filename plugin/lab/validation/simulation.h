@@ -69,8 +69,7 @@ PlotLine solid(const ForceCurve& curve, std::string name, int colour);
 double interpolate(const std::vector<double>& xs, const std::vector<double>& ys, double x);
 
 /// Displacement and force at collapse: the largest force before it first falls by 2 %, of running medians of five
-/// samples; the largest of all if it does not fall, for curves end where the crown touches. NaN below 1 B/R^2. The
-/// spikes after the collapse are dynamics (decision 0175).
+/// samples; NaN without a collapse. The spikes after the collapse are dynamics (decision 0175).
 std::pair<double, double> collapseLoad(const ForceCurve& load);
 
 /// Force at zero thickness by linear extrapolation from thickness h and 2 h, at `count` points.

@@ -202,9 +202,13 @@ void springNeighbours(const rod::RodModel& rod, const Material& m, const Eigen::
                       std::vector<NeighbourResponse>& out) {
     out.clear();
     const double B = rod.definition().bendingModulus, left = remaining(m.model, m.age + ahead);
+    const auto at = [&](int element) { return springs(rod, m, element, q[rod.dofOfElement(element)], left); };
+    SpringState last{};
+    int known = -1; // each element is the first of one pair and the second of another
     rod::forNeighbours(rod, [&](int before, int after, double c) {
-        out.push_back(pairOf(springs(rod, m, before, q[rod.dofOfElement(before)], left),
-                             springs(rod, m, after, q[rod.dofOfElement(after)], left), B * c * left));
+        const SpringState first = before == known ? last : at(before);
+        last = at(known = after);
+        out.push_back(pairOf(first, last, B * c * left));
         out.back().before = before;
         out.back().after = after;
     });
@@ -227,6 +231,17 @@ MaterialResponse materialResponse(const rod::RodModel& rod, const Material& m, i
         r.tangent += B * branch.stiffness * meanDecay(dt / branch.time);
     }
     return r;
+}
+
+void addNeighbourStiffness(const rod::RodModel& rod, const std::vector<NeighbourResponse>& pairs, double factor,
+                           Eigen::MatrixXd& matrix) {
+    for (const NeighbourResponse& p : pairs) {
+        const int b = rod.dofOfElement(p.before), a = rod.dofOfElement(p.after);
+        matrix(b, b) -= factor * p.ownBefore;
+        matrix(a, a) -= factor * p.ownAfter;
+        matrix(a, b) -= factor * p.cross;
+        matrix(b, a) -= factor * p.cross;
+    }
 }
 
 void materialNeighbours(const rod::RodModel& rod, const Material& m, const Eigen::VectorXd& q,

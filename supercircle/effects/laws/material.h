@@ -55,6 +55,10 @@ struct NeighbourResponse {
 void springNeighbours(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q, double ahead,
                       std::vector<NeighbourResponse>& out);
 
+/// Adds factor times the stiffness of these pairs to `matrix`.
+void addNeighbourStiffness(const rod::RodModel& rod, const std::vector<NeighbourResponse>& pairs, double factor,
+                           Eigen::MatrixXd& matrix);
+
 /// Energy of these springs in place of the rod's own, J, `ahead` s from now at the curvatures of q.
 double springEnergy(const rod::RodModel& rod, const Material& material, const Eigen::VectorXd& q, double ahead);
 

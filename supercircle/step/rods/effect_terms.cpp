@@ -55,13 +55,10 @@ void addPairs(const Rod& rod, double dt, RodWork& w) {
     for (const effects::NeighbourResponse& p : work.pairs) {
         const int b = rod.model.dofOfElement(p.before), a = rod.model.dofOfElement(p.after);
         const Vec2 force = linearPair(rod, work, p, rod.q);
-        w.A(b, b) -= dt * dt * p.ownBefore;
-        w.A(a, a) -= dt * dt * p.ownAfter;
-        w.A(a, b) -= dt * dt * p.cross;
-        w.A(b, a) -= dt * dt * p.cross;
         w.rhs[b] += dt * force.x();
         w.rhs[a] += dt * force.y();
     }
+    effects::addNeighbourStiffness(rod.model, work.pairs, dt * dt, w.A);
 }
 
 void addMaterial(const Rod& rod, double dt, RodWork& w) {

@@ -49,28 +49,18 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
             w_.A(X, i) = w_.A(i, X) = w_.A(Y, i) = w_.A(i, Y) = 0.0;
     for (int i = 0; i < model.elements(); ++i)
         w_.A(i, i) += tau * tau * tangentOf(model.elementOfDof(i), q[i]);
-    if (rod_.effects.material.on())
-        addPairs(tau * tau, q);
-    else
+    if (rod_.effects.material.on()) {
+        effects::springNeighbours(model, rod_.effects.material, q, 0.0, f_.pairs);
+        effects::addNeighbourStiffness(model, f_.pairs, tau * tau, w_.A);
+    } else {
         rod::addNeighbourStiffness(model, tau * tau, w_.A);
+    }
     if (viscosity_ > 0.0)
         rod::addBendingStiffness(model, tau * viscosity_, w_.A);
     addRelaxingTangent(rod_, tau, w_.A);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
-}
-
-/// Slopes of the forces between neighbours of a material, in place of the rod's own.
-void FreeEquations::addPairs(double factor, const Eigen::VectorXd& q) {
-    effects::springNeighbours(rod_.model, rod_.effects.material, q, 0.0, f_.pairs);
-    for (const effects::NeighbourResponse& p : f_.pairs) {
-        const int b = rod_.model.dofOfElement(p.before), a = rod_.model.dofOfElement(p.after);
-        w_.A(b, b) -= factor * p.ownBefore;
-        w_.A(a, a) -= factor * p.ownAfter;
-        w_.A(a, b) -= factor * p.cross;
-        w_.A(b, a) -= factor * p.cross;
-    }
 }
 
 /// Slope of the elastic moment of an element times its length, N m^3.

@@ -37,7 +37,6 @@ private:
     [[nodiscard]] Eigen::Index x() const { return rod_.model.dofX(); }
     [[nodiscard]] double mass() const { return rod_.model.mass(); }
     [[nodiscard]] double tangentOf(int element, double curvature) const;
-    void addPairs(double factor, const Eigen::VectorXd& q);
     void addBending(double tau, double ahead, FreeStage& s);
     void meanRows();
     void addForces();

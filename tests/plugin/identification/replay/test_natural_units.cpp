@@ -109,7 +109,7 @@ TEST_CASE("a strip in other units is the same simulation", "[replay][units]") {
 
 TEST_CASE("a ring in other units is the same simulation", "[replay][units]") {
     const experiment::Experiment e = ring();
-    check(e, replay::nominal(e), 1e-8);
+    check(e, replay::nominal(e), 3e-9);
 }
 
 namespace {

@@ -71,7 +71,7 @@ void pinning(const ValidationSettings& settings, ValidationExperiment& e) {
                             0.0, never ? 0.0 : 1.0, "1", 0.5, "the ratio of the forces ends at 0.356", false});
         const double error = worstDifference(load, wanted, 0.015, 0.32) / wanted.top();
         e.checks.push_back({"μ = 0.4: largest difference of the force, 31 arcs", error, 0.0, error, "largest force",
-                            0.005, "second order in 1/N", false});
+                            0.005, "third order in 1/N", false});
         diagram.lines.push_back(markers(load, 0.01, 0.32, 25, "μ = 0.4, never slips", 4));
     }
     e.diagrams.push_back(diagram);

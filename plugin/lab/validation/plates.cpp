@@ -61,7 +61,7 @@ std::vector<Specimen> caps() {
                        phiBar > 0.95 ? 0.015 : 0.01,
                        phiBar > 0.95
                            ? "the reference locates its event (tip tangent, pinned) to 0.5 % of the height only"
-                           : "second order in 1/N; the flattening crown needs short arcs"});
+                           : "third order in 1/N; the flattening crown needs short arcs"});
     return out;
 }
 

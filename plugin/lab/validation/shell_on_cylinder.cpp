@@ -73,8 +73,7 @@ void shellOnCylinder(const ValidationSettings& settings, ValidationExperiment& e
     for (const CurveParameters& p : pairs) {
         const SimulationCase c = onCylinder(p, kThin, 31, 0.005);
         runs.emplace_back(p, measureCurves(settings, e, c));
-        addBranchChecks(e, p, errorsOnCylinder(settings, p, runs.back().second),
-                        "second order in 1/N, 0.14 % at 31 arcs; h/R = 0.1 %");
+        addBranchChecks(e, p, errorsOnCylinder(settings, p, runs.back().second), "0.02 % at 31 arcs; h/R = 0.1 %");
         e.commands.push_back(c.command());
     }
     for (const double phiBar : {0.75, 0.65, 0.55})

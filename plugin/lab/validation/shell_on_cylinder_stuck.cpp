@@ -80,7 +80,7 @@ void pinned(const ValidationSettings& settings, ValidationExperiment& e) {
         diagram.lines.push_back(markers(load, 0.01, ends[i], 30, "", static_cast<int>(i)));
         const double error = differenceWhilePinned(load, wanted[i], ends[i]);
         e.checks.push_back({names[i] + ", tips pinned: largest difference of the force, 31 arcs", error, 0.0, error,
-                            "force at the end", 0.03, "second order in 1/N; the turning tip needs short arcs", false});
+                            "force at the end", 0.03, "third order in 1/N; the turning tip needs short arcs", false});
     }
     e.diagrams.push_back(diagram);
     if (!settings.quick)

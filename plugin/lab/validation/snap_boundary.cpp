@@ -150,8 +150,8 @@ void snapBoundary(const ValidationSettings& settings, ValidationExperiment& e) {
             }
             Check c =
                 checkAgainst(text("μ* at Φ/2π = %.2f, d → 0, %d arcs", phiBar, n), rest, wanted, isFine ? 0.005 : 0.02,
-                             isFine ? "second order in 1/N, at most 1.1 % at 16 arcs; thickness adds 0.2 %"
-                                    : "second order in 1/N: four times the error of 31 arcs");
+                             isFine ? "at most 0.25 % at 16 arcs, mostly thickness: 0.2 %"
+                                    : "at most 0.25 %, mostly thickness: 0.2 %");
             c.knownDeviation = n == 15 && phiBar < 0.66; // the middle arc couples the halves
             if (c.knownDeviation)
                 c.reason = "the middle arc of an odd number couples the halves: one tip sticks while the other slips";

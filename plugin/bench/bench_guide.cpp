@@ -97,8 +97,7 @@ struct GameWorld {
         host->everything(all);
         const graphics::Paint solid{.fill = theme::body, .stroke = graphics::Stroke{theme::bodyEdge, 1.0}};
         for (const step::BodyOutline& o : all) {
-            step::BodyState s;
-            host->state(o.body, s);
+            const step::BodyState s = host->stateOf(o.body);
             const contact::Outline placed = step::placed(o, s.centre, s.angle);
             std::vector<graphics::Point> points;
             for (const Vec2& p : placed.points)

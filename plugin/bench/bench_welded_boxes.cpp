@@ -45,15 +45,14 @@ GameRun weldedCylinder(const CylinderCase& which, const WeldedBoxSettings& setti
     double before = 0.0;
     runFrames(run, travelOf(d) / kMachineSpeed, [&](double dt) {
         const double part = dt / settings.substeps;
-        step::BodyState s;
         for (int i = 0; i < settings.substeps; ++i) {
-            host->state(welded.heldBody(), s);
+            const step::BodyState s = host->stateOf(welded.heldBody());
             host->drive(welded.heldBody(), s.centre, s.angle, {0.0, -kMachineSpeed}, 0.0);
             host->step(part);
         }
-        host->state(1, s);
-        peak.add((before - s.velocity.y()) * kCylinderMass / dt);
-        before = s.velocity.y();
+        const double now = host->stateOf(1).velocity.y();
+        peak.add((before - now) * kCylinderMass / dt);
+        before = now;
         run.stretch = std::max(run.stretch, welded.stretch(*host));
         return dt;
     });

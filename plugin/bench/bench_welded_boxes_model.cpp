@@ -83,8 +83,7 @@ std::vector<contact::RodCurve> WeldedShells::curves(const step::HostWorld& host)
         std::vector<Vec2> points;
         for (std::size_t i = 0; i < shell.count; ++i) {
             const Box& box = boxes_[shell.first + i];
-            step::BodyState s;
-            host.state(box.id, s);
+            const step::BodyState s = host.stateOf(box.id);
             const Vec2 along(std::cos(s.angle), std::sin(s.angle));
             const Vec2 first = s.centre - box.half * along, last = s.centre + box.half * along;
             if (points.empty())
@@ -119,9 +118,7 @@ double WeldedShells::stretch(const step::HostWorld& host) const {
         double sum = 0.0;
         for (std::size_t i = 1; i < shell.count; ++i) {
             const Box &a = boxes_[shell.first + i - 1], &b = boxes_[shell.first + i];
-            step::BodyState sa, sb;
-            host.state(a.id, sa);
-            host.state(b.id, sb);
+            const step::BodyState sa = host.stateOf(a.id), sb = host.stateOf(b.id);
             sum += (sa.centre + a.half * Vec2(std::cos(sa.angle), std::sin(sa.angle)) - sb.centre +
                     b.half * Vec2(std::cos(sb.angle), std::sin(sb.angle)))
                        .norm();

@@ -4,6 +4,7 @@
 
 #include "supercircle/contact/geometry.h"
 #include "supercircle/step/host_constraints.h"
+#include "supercircle/support/failure.h"
 
 #include <cstdint>
 #include <span>
@@ -107,6 +108,13 @@ public:
     /// Puts a kinematic body back into a state that state() gave, to the last bit.
     virtual void put(BodyId body, const BodyState& state) {
         drive(body, state.centre, state.angle, state.velocity, state.spin);
+    }
+    /// State of a body that this program made and has not removed.
+    [[nodiscard]] BodyState stateOf(BodyId body) const {
+        BodyState found;
+        const bool known = state(body, found);
+        SC_ASSERT(known, "a body of the program's own world has a state");
+        return found;
     }
 };
 

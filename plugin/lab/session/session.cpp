@@ -348,8 +348,7 @@ void Session::keepFrame(bool always) {
     host_->everything(all);
     const std::vector<step::BodyId> ids = bodiesOf(all);
     for (const step::BodyId id : ids) {
-        step::BodyState s;
-        host_->state(id, s);
+        step::BodyState s = host_->stateOf(id);
         for (const step::Body& b : w.bodies)
             if (b.id == id)
                 s = b.state;

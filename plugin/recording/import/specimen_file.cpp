@@ -21,26 +21,26 @@ Result<std::string> readSpecimenFile(const std::string& file) {
 }
 
 Result<ForceZero> parseForceZero(const std::string& words) {
-    using Kind = ForceZero::Kind;
+    using ZeroKind = ForceZero::Kind;
     ForceZero z;
     if (words == "none") {
-        z.kind = Kind::None;
+        z.kind = ZeroKind::None;
         return z;
     }
     const std::string mean = "the mean reading of the first ", subtracted = " s is subtracted";
     if (words.rfind(mean, 0) == 0 && words.size() > mean.size() + subtracted.size()) {
-        z.kind = Kind::Window;
+        z.kind = ZeroKind::Window;
         if (record::parseNumber(words.substr(mean.size(), words.size() - mean.size() - subtracted.size()), z.to) &&
             z.to > 0.0)
             return z;
     }
     if (const std::size_t dots = words.find(".."); dots != std::string::npos) {
-        z.kind = Kind::Window;
+        z.kind = ZeroKind::Window;
         if (record::parseNumber(words.substr(0, dots), z.from) && record::parseNumber(words.substr(dots + 2), z.to) &&
             z.from >= 0.0 && z.to > z.from)
             return z;
     }
-    z.kind = Kind::Value;
+    z.kind = ZeroKind::Value;
     if (record::parseNumber(words, z.value))
         return z;
     return Result<ForceZero>::failure("\"" + words +

@@ -222,10 +222,10 @@ std::string asText(const std::vector<CaseScore>& all, const std::string& title) 
 }
 
 std::string asJson(const std::vector<CaseScore>& all, const std::string& title) {
-    using Json = nlohmann::ordered_json;
-    Json scores = Json::array(), cases = Json::array();
+    using OrderedJson = nlohmann::ordered_json;
+    OrderedJson scores = OrderedJson::array(), cases = OrderedJson::array();
     for (const Score& s : scoresOf(all)) {
-        Json one = {{"name", s.name}, {"n", s.of}, {"target", s.target}};
+        OrderedJson one = {{"name", s.name}, {"n", s.of}, {"target", s.target}};
         if (s.of > 0) {
             one["value"] = s.value;
             one["ci90"] = {s.low, s.high};
@@ -253,7 +253,7 @@ std::string asJson(const std::vector<CaseScore>& all, const std::string& title) 
                          {"heldout_over_noise", j.overNoise},
                          {"detectable", j.detectable},
                          {"elapsed_s", j.seconds}});
-    return reference_simulator::jsonText(Json{{"title", title}, {"scores", scores}, {"cases", cases}}) + "\n";
+    return reference_simulator::jsonText(OrderedJson{{"title", title}, {"scores", scores}, {"cases", cases}}) + "\n";
 }
 
 std::string asPage(const std::vector<CaseScore>& all, const std::string& title, const std::string& folder) {

@@ -179,9 +179,9 @@ TEST_CASE("two_shells start touching tips on back, for all angles and thicknesse
             });
             // Sampling the lower centre line every 2 pi R / 400 misses the nearest point by at most half a sample, and
             // the distance h by that squared over 2 h.
-            const double sample = M_PI * 0.0192 * phiBar / 400;
+            const double spacing = M_PI * 0.0192 * phiBar / 400;
             CHECK(distance - h >= 1e-8 - roundOff);
-            CHECK(distance - h <= std::min(sample, sample * sample / (2 * h)) + 1e-7);
+            CHECK(distance - h <= std::min(spacing, spacing * spacing / (2 * h)) + 1e-7);
             CHECK((where == 0.0 || where == 1.0 || phiBar == 0.5));
             // Exactly: the tip lies R + h + gap from the lower centre, over a part of its circle that is there.
             const rod::Vec2 tip = upper.at(0.0);

@@ -15,7 +15,7 @@ namespace supercircle::replay {
 
 /// Resolution of a simulation. Lengths and times are those of the reference specimen; they scale with the set-up.
 struct Resolution {
-    int elements = 31;               ///< arcs per specimen, at least (rod::elementsMeetingAt of the clamp)
+    int elements = 21;               ///< arcs per specimen, at least (rod::elementsMeetingAt of the clamp)
     double positionTolerance = 4e-7; ///< m, local error of a position per step
     double travelMax = 2e-5;         ///< m, longest travel of the crosshead in one step
     double dtMax = 0.5;              ///< s, longest step

@@ -63,7 +63,8 @@ std::vector<Outline> piecesOf(const FixtureDefinition& f) {
     return all;
 }
 
-/// The shell with as many elements as the resolution asks for. The scene's number is that of the fine resolution.
+/// The shell with as many elements as the resolution asks for. The scene's number is that of the fine resolution. All
+/// are odd or all are even: the middle of a shell is a node or it is not, and errors of both kinds do not compare.
 /// @param holds places where two arcs should meet
 ShellDef atResolution(const ShellDef& d, const Resolution& resolution, const std::vector<double>& holds) {
     const auto even = [](const std::vector<double>& values) {
@@ -74,6 +75,7 @@ ShellDef atResolution(const ShellDef& d, const Resolution& resolution, const std
     if (share == 1.0 || !even(d.natural_curvature) || !even(d.curvature) || d.tip_refinement != 1.0)
         return out;
     out.elements = std::max(3, static_cast<int>(std::lround(share * d.elements)));
+    out.elements += (out.elements + d.elements) % 2;
     for (const double s : holds)
         if (s > 0.0 && s < 1.0)
             out.elements = rod::elementsMeetingAt(s, out.elements);

@@ -9,21 +9,28 @@ namespace supercircle::effects {
 
 namespace {
 
-/// g of u = g + uc (g/uc)^n for u >= 0: Newton from below on a convex function whose root lies in [0, u].
+/// g of u = g + uc (g/uc)^n for u >= 0: Halley's steps on x + x^n = u/uc, a convex function, from a point at or above
+/// the root. A power is most of the cost, so the last step corrects the power by its series: what is left out is 1e-20.
 ElasticResponse rambergOsgood(double uc, double n, double u) {
-    double x = std::min(u / uc, math::pow(u / uc, 1.0 / n)); // at or above the root: u = x + x^n there is too large
+    constexpr double kLastStep = 1e-5; // of x/n; the next step would be its third power
+    const double goal = u / uc;
+    double x = goal <= 1.0 ? goal : math::pow(goal, 1.0 / n), power = 0.0;
     for (int i = 0; i < 60; ++i) {
-        const double power = math::pow(x, n - 1.0);
-        const double step = (x * (1.0 + power) - u / uc) / (1.0 + n * power);
+        power = math::pow(x, n - 1.0);
+        const double slope = 1.0 + n * power, newton = (x * (1.0 + power) - goal) / slope;
+        const double step = newton / std::max(0.5, 1.0 - 0.5 * newton * n * (n - 1.0) * power / (x * slope));
+        const double share = step / x;
         x -= step;
-        if (std::abs(step) <= 1e-15 * std::max(x, 1e-300))
+        if (n * std::abs(share) <= kLastStep) {
+            power *= 1.0 - (n - 1.0) * share * (1.0 - 0.5 * (n - 2.0) * share * (1.0 - (n - 3.0) * share / 3.0));
             break;
+        }
     }
     const double g = uc * x;
     ElasticResponse out;
     out.value = g;
-    out.slope = 1.0 / (1.0 + n * math::pow(x, n - 1.0));
-    out.energy = 0.5 * g * g + n / (n + 1.0) * uc * uc * math::pow(x, n + 1.0);
+    out.slope = 1.0 / (1.0 + n * power);
+    out.energy = g * g * (0.5 + n / (n + 1.0) * power);
     return out;
 }
 

@@ -150,11 +150,32 @@ def csv_of(run, description, columns):
     return "\n".join(lines) + "\n"
 
 
+def stand_ins(plan, module, seed):
+    """The plan, then the same with each other effect of its kind, for the seed may draw one that no specimen shows."""
+    yield plan
+    kinds = module.OUTSIDE if plan["kind"] == "outside" else module.FAMILIES
+    others = [f.name for f in kinds if [f.name] != plan["families"]]
+    draw_of(seed, plan["name"], "stand-ins").shuffle(others)
+    if len(plan["families"]) == 1:
+        yield from ({**plan, "families": [name], "instead_of": plan["families"][0]} for name in others)
+
+
 def make_case(plan, seed, distance=False):
     """({file name: text}, answer) of a planned case. distance: also the readings without noise, in the answer."""
     module = setup(plan["set_up"])
-    if hasattr(module, "make_case"):  # a simulator with its own benchmark
-        return module.make_case(plan, seed)
+    why = None
+    for other in stand_ins(plan, module, seed):
+        try:
+            if hasattr(module, "make_case"):  # a simulator with its own benchmark
+                return module.make_case(other, seed)
+            return shown(other, module, seed, distance)
+        except RuntimeError as one:
+            why = why or one
+    raise why
+
+
+def shown(plan, module, seed, distance):
+    """The case with the effects of the plan, on the first specimen that shows them."""
     for attempt in range(ATTEMPTS):
         draw = draw_of(seed, plan["name"], attempt)
         try:

@@ -405,6 +405,21 @@ def test_a_case_is_the_same_every_time_and_another_specimen_leaves_its_descripti
     assert swapped[1]["moved"] == ["frequency"] and 2.99 * stated["unc"] < away < 6.01 * stated["unc"]
 
 
+def test_an_effect_that_no_specimen_shows_is_replaced_and_the_answer_says_so(monkeypatch):
+    module = conceal.setup("mass_on_spring")
+    shown = conceal.hidden_effects
+    monkeypatch.setattr(conceal, "hidden_effects", lambda draw, plan, specimen: None
+                        if plan["families"] == ["viscous_guide"] else shown(draw, plan, specimen))
+    case = {"name": "case_001", "set_up": "mass_on_spring", "kind": "single", "strength": "strong",
+            "families": ["viscous_guide"]}
+    _, answer = conceal.make_case(case, 3)
+    assert answer["instead_of"] == "viscous_guide" and answer["families"] != ["viscous_guide"]
+    assert answer["families"][0] in {f.name for f in module.FAMILIES} and answer["sigma"] >= 36.0
+    with pytest.raises(RuntimeError, match="case_001: no specimen shows"):  # a pair has no stand-in
+        monkeypatch.setattr(conceal, "hidden_effects", lambda *_: None)
+        conceal.make_case({**case, "kind": "pair", "families": list(module.PAIR)}, 3)
+
+
 # ---------------------------------------------------------------- the history
 
 def history_of(top, name):

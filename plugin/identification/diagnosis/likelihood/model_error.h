@@ -24,8 +24,8 @@ struct LikelihoodSettings {
     double shareOfPeak =
         4e-4; ///< accuracy of a corrected simulation, share of the peak force, with the model's correlation time
     double scale = 1e-3; ///< accuracy common to a whole run, share of the force
-    /// Error of the fine simulation per difference of the finer one to it: 1 / (1 - (31/61)^3).
-    double refinement = 1.151;
+    /// Error of the fine simulation per difference of the finer one to it: 1 / (1 - (21/41)^3).
+    double refinement = 1.155;
     double uncorrected = 0.25;       ///< share of the correction that stays as model error
     bool discretised = true;         ///< simulations have an error of discretisation: those of bodies alone have none
     double repeatFactor = 1.0;       ///< factor of all model errors: forRepeats()

@@ -383,7 +383,7 @@ TEST_CASE("the discretisation correction of an arch leaves a fifth of a small er
         return v[9 * v.size() / 10];
     };
     INFO("90 % of the rows within " << most(without) << ", corrected " << most(with));
-    CHECK(most(without) < 2e-5); // arcs without their neighbours err by 7e-4
+    CHECK(most(without) < 6e-5); // a twentieth of the noise; 31 arcs without their neighbours err by 7e-4
     // Free ends and the points of contact have errors of other orders than clamps.
     CHECK(most(with) < 0.2 * most(without));
 }

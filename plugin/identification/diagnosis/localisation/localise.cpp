@@ -66,18 +66,35 @@ Eigen::VectorXd excessNoise(const Likelihood& likelihood, const Noise::Posterior
     return out;
 }
 
-/// Mean and standard deviation of every statistic under the null.
-struct Standardiser {
-    explicit Standardiser(const Eigen::MatrixXd& null, Eigen::Index shifts)
-        : mean(null.rowwise().mean()), sigma(((null.colwise() - mean).rowwise().squaredNorm() /
-                                              std::max<double>(1.0, static_cast<double>(null.cols() - 1)))
-                                                 .cwiseSqrt()
-                                                 .cwiseMax(1e-12)) {
-        mean.head(shifts).setZero(); // shifts have either sign
-        sigma.head(shifts) = sigma.head(shifts).cwiseMax(1e-3);
+/// Every statistic by its mean and standard deviation under the null. A draw is judged by the other draws, as the
+/// record is: its own extremes would widen its scale, and 8 % of pure noise would be significant at 5 %.
+class Standardiser {
+public:
+    /// @param shifts so many statistics come first that have either sign
+    Standardiser(const Eigen::MatrixXd& null, Eigen::Index shifts)
+        : shifts_(shifts), draws_(static_cast<double>(null.cols())), mean_(null.rowwise().mean()),
+          squares_((null.colwise() - mean_).rowwise().squaredNorm()) {}
+    [[nodiscard]] Eigen::VectorXd record(const Eigen::VectorXd& t) const {
+        return standardised(t, mean_, squares_, draws_);
     }
-    [[nodiscard]] Eigen::VectorXd operator()(const Eigen::VectorXd& t) const { return (t - mean).cwiseQuotient(sigma); }
-    Eigen::VectorXd mean, sigma;
+    [[nodiscard]] Eigen::VectorXd draw(const Eigen::VectorXd& t) const {
+        const double others = std::max(1.0, draws_ - 1.0);
+        const Eigen::VectorXd off = t - mean_;
+        return standardised(t, mean_ - off / others, squares_ - draws_ / others * off.cwiseAbs2(), others);
+    }
+
+private:
+    [[nodiscard]] Eigen::VectorXd standardised(const Eigen::VectorXd& t, const Eigen::VectorXd& mean,
+                                               const Eigen::VectorXd& squares, double draws) const {
+        Eigen::VectorXd sigma = (squares / std::max(1.0, draws - 1.0)).cwiseMax(1e-24).cwiseSqrt(), out = t - mean;
+        out.head(shifts_) = t.head(shifts_);
+        sigma.head(shifts_) = sigma.head(shifts_).cwiseMax(1e-3);
+        return out.cwiseQuotient(sigma);
+    }
+
+    Eigen::Index shifts_;
+    double draws_;
+    Eigen::VectorXd mean_, squares_;
 };
 
 /// Distribution of one number over the draws of the null; large values are rare.
@@ -345,7 +362,7 @@ private:
 StatisticFamilies familiesOf(const WindowScan& scan, const Standardiser& standard, const Eigen::MatrixXd& null) {
     std::vector<double> windows, signatures;
     for (Eigen::Index b = 0; b < null.cols(); ++b) {
-        const Eigen::VectorXd t = standard(null.col(b));
+        const Eigen::VectorXd t = standard.draw(null.col(b));
         windows.push_back(scan.largestWindow(t));
         if (scan.signatures())
             signatures.push_back(scan.largestSignature(t));
@@ -377,7 +394,8 @@ Localisation localise(const Likelihood& likelihood, const Eigen::VectorXd& resid
     Eigen::VectorXd u = residual;
     scan.project(u);
     const WindowScan::Statistics recorded = scan.of(u);
-    const Eigen::VectorXd t = standard(recorded.clipped), unclipped = standardUnclipped(recorded.unclipped);
+    const Eigen::VectorXd t = standard.record(recorded.clipped),
+                          unclipped = standardUnclipped.record(recorded.unclipped);
     std::vector<ResidualWindow> found;
     for (Eigen::Index i = 0; i < n; ++i) {
         ResidualWindow w = scan.spot(i).window;

@@ -48,6 +48,14 @@ LoadCourse::LoadCourse(const experiment::Experiment& e, std::size_t run, const P
     }
 }
 
+Resolution LoadCourse::forRest(Resolution resolution) {
+    // On a cantilever of 0.27 m a factor of 25 costs 1.5 times the steps and 100 saves a third. Up to 1000 readings
+    // differ by less than 1e-6 of the largest.
+    constexpr double kOnTheWay = 50.0;
+    resolution.positionTolerance *= kOnTheWay;
+    return resolution;
+}
+
 void LoadCourse::set(TestRig& rig, double value) const {
     std::vector<scene::PointLoad> now;
     for (std::size_t i = 0; i < first_.size(); ++i)

@@ -12,6 +12,8 @@ public:
     LoadCourse(const experiment::Experiment& e, std::size_t run, const Parameters& p);
     /// Why they do not; empty: they do.
     [[nodiscard]] const std::string& failure() const { return failure_; }
+    /// The resolution that readings at rest need: what swings on the way there is not followed.
+    [[nodiscard]] static Resolution forRest(Resolution resolution);
     /// Gives the specimens of the rig the loads at a value of the parameter.
     void set(TestRig& rig, double value) const;
 

@@ -5,10 +5,48 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <limits>
 
 namespace supercircle::diagnosis {
 
 using Index = Eigen::Index;
+
+namespace {
+
+/// First rows of the levels of a run, and their end; empty where rows were read in motion.
+std::vector<Index> levelsOf(const RecordedRun& run) {
+    constexpr Index kFewest = 3; // a second difference; fewer show no noise
+    std::vector<Index> starts = {0};
+    for (Index k = 1; k <= run.displacement.size(); ++k)
+        if (k == run.displacement.size() || run.displacement[k] != run.displacement[k - 1]) {
+            if (k - starts.back() < kFewest)
+                return {};
+            starts.push_back(k);
+        }
+    return starts;
+}
+
+} // namespace
+
+RecordedData levelsApart(RecordedData data) {
+    for (RecordedRun& run : data.runs) {
+        const std::vector<Index> starts = levelsOf(run);
+        std::vector<double> time, force;
+        for (std::size_t l = 0; l + 1 < starts.size(); ++l) {
+            if (l > 0) {
+                time.push_back(0.5 * (run.time[starts[l] - 1] + run.time[starts[l]]));
+                force.push_back(std::numeric_limits<double>::quiet_NaN());
+            }
+            time.insert(time.end(), run.time.begin() + starts[l], run.time.begin() + starts[l + 1]);
+            force.insert(force.end(), run.force.begin() + starts[l], run.force.begin() + starts[l + 1]);
+        }
+        if (starts.size() < 3)
+            continue;
+        run.time = Eigen::Map<Eigen::VectorXd>(time.data(), static_cast<Index>(time.size()));
+        run.force = Eigen::Map<Eigen::VectorXd>(force.data(), static_cast<Index>(force.size()));
+    }
+    return data;
+}
 
 std::vector<DwellInterval> dwellIntervalsOf(const RecordedData& data) {
     std::vector<DwellInterval> found;

@@ -247,9 +247,9 @@ Noise estimateChannel(const RecordedData& recorded, const PeriodicDisturbance& k
         return freeNoise(recorded);
     if (recorded.table)
         return tableNoise(recorded);
-    const RecordedData data = known.removedFrom(recorded);
+    const RecordedData all = known.removedFrom(recorded), data = levelsApart(all);
     const std::vector<DwellInterval> dwells = dwellIntervalsOf(data);
-    const double least = quantisationForceNoise(data, quantisationStep);
+    const double least = quantisationForceNoise(all, quantisationStep);
     const auto estimateWith = [&](double stated) {
         return withoutDisturbance(
             data, dwells, stated, least,
@@ -275,7 +275,7 @@ Noise estimateChannel(const RecordedData& recorded, const PeriodicDisturbance& k
     }
     for (const DwellInterval& q : dwells)
         best.dwellSeconds += q.time[q.time.size() - 1] - q.time[0];
-    scatterOfRepeats(estimate.still ? *estimate.still : data, best);
+    scatterOfRepeats(estimate.still ? *estimate.still : all, best);
     char words[280];
     best.source.clear();
     if (!dwells.empty()) {

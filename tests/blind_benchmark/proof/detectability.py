@@ -1,7 +1,8 @@
 """Signal of the best possible test for a hidden effect (docs/decisions/0090-detectability.md).
 
 The readings of an effect, in standard deviations of the noise, less what stated numbers, release and zero can absorb.
-Their intervals enter as normal priors of the same variance. A reading counts as 8 standard deviations at most.
+Their intervals enter as normal priors of the same variance. What is left of a reading counts as 8 standard deviations
+at most.
 """
 import math
 
@@ -36,12 +37,18 @@ class Baseline:
         return self.sigma_of(self.simulate(self.numbers, effects) - self.readings)
 
     def sigma_of(self, change, without=()):
-        """The same of any change of the readings, which these numbers do not absorb."""
-        signature = np.clip(change, -LARGEST_DEVIATION, LARGEST_DEVIATION)
+        """The same of any change of the readings, which these numbers do not absorb. A few readings that differ by much
+        more than the limit do not steer what the numbers absorb (Huber's weights)."""
         columns = self.columns[:, [key is None or key not in without for key in self.keys]]
-        along = columns.T @ signature
-        normal = columns.T @ columns + np.eye(columns.shape[1])
-        return math.sqrt(max(0.0, signature @ signature - along @ np.linalg.solve(normal, along)))
+        x, rest = np.zeros(columns.shape[1]), change
+        for _ in range(100):
+            weighted = columns.T * (LARGEST_DEVIATION / np.maximum(np.abs(rest), LARGEST_DEVIATION))
+            before, x = x, np.linalg.solve(weighted @ columns + np.eye(len(x)), weighted @ change)
+            rest = change - columns @ x
+            if np.abs(x - before).max(initial=0.0) < 1e-3:
+                break
+        clipped = np.clip(rest, -LARGEST_DEVIATION, LARGEST_DEVIATION)
+        return math.sqrt(clipped @ clipped + x @ x)
 
     def sigma_left(self, wanted, without=()):
         """The same of readings that differ by more than the derivatives reach, such as another frequency: what is left

@@ -387,6 +387,22 @@ def test_detectability_is_what_the_stated_numbers_do_not_absorb():
     assert amplitude_for(base, lambda a: Effect("x", {"a": a}), 20.0, 1.0) is None
 
 
+def test_a_strong_effect_does_not_vanish_in_the_numbers_that_absorb_a_constant():
+    from detectability import LARGEST_DEVIATION, Baseline
+    t = np.linspace(-1.0, 1.0, 201)
+
+    def simulate(numbers, effects):  # the effect lifts all readings, and bends them a little
+        return numbers["c"] + 0.0 * t + sum(e.parameters["a"] * (1.0 + 0.1 * t**2) for e in effects)
+    base = Baseline(simulate, {"c": 0.0}, [("c", Stated(0.0, 1e6))], [])
+    seen = [base.sigma([Effect("x", {"a": a})]) for a in (10.0, 100.0, 1000.0)]
+    rest = 0.1 * np.linalg.norm(t**2 - (t**2).mean())
+    assert seen[:2] == pytest.approx([10.0 * rest, 100.0 * rest], rel=1e-3) and seen[2] > seen[1]
+    # Few readings that jump do not steer the constant: the other ones stay where they are.
+    jumps = np.zeros_like(t)
+    jumps[:5] = 1e4
+    assert base.sigma_of(jumps) == pytest.approx(math.sqrt(5) * LARGEST_DEVIATION, rel=0.05)
+
+
 def test_a_case_is_the_same_every_time_and_another_specimen_leaves_its_description():
     case = {"name": "case_001", "set_up": "mass_on_spring", "kind": "single", "strength": "strong",
             "families": ["viscous_guide"]}

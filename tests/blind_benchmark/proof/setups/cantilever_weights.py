@@ -32,7 +32,7 @@ def describe(draw):
         hung = 10.0 * np.arange(len(shares))
         runs.append(Run(np.add.outer(hung, READ).ravel(), drive=(
             tuple(np.add.outer(hung, (0.0, READ[-1])).ravel()), tuple(round(s * most, 2) for s in shares for _ in (0, 1)))))
-    channels = [Channel("tip_y", "deflection_mm", 0.3, 0.5, -1e3), Channel("tip_angle", "angle_deg", 0.15, 0.3, -180 / math.pi)]
+    channels = [Channel("tip_y", "deflection_mm", 0.1, 0.2, -1e3), Channel("tip_angle", "angle_deg", 0.05, 0.1, -180 / math.pi)]
     return Description("cantilever_weights", stated, runs, channels,
                        {"parameter": "weight", "column": "weight_N", "scale": 1.0})
 
@@ -74,10 +74,12 @@ def simulate(numbers, run, times, effects, elements=ELEMENTS, residual=1e-5):
     tip, end = at[2 * elements, LAYERS], [at[2 * elements, j] for j in (0, 2 * LAYERS)]
     root = ", ".join(str(at[0, j]) for j in range(2 * LAYERS + 1))
     deck += ["*NSET, NSET=ROOT", root, "*NSET, NSET=END", f"{end[0]}, {tip}, {end[1]}", "*BOUNDARY", "ROOT, 1, 2"]
-    if stop:  # a spring that begins to resist when the end has sunk by 0.15 of the length
-        deck += ["*ELEMENT, TYPE=SPRING1, ELSET=STOP", f"{len(solids) + 1}, {tip}",
-                 "*SPRING, ELSET=STOP, NONLINEAR", "2", f"{-stop * 0.85 * length:.9g}, {-length:.9g}",
-                 f"0., {-0.15 * length:.9g}", f"0., {length:.9g}"]
+    if stop:  # a spring that begins to resist when the end has sunk by 0.15 of the length; it hangs far above
+        far = len(nodes) + 1
+        deck[1:1] = [f"{far}, {line[0, -1]:.12g}, 1000., 0."]
+        deck += ["*BOUNDARY", f"{far}, 1, 3", "*ELEMENT, TYPE=SPRINGA, ELSET=STOP", f"{len(solids) + 1}, {tip}, {far}",
+                 "*SPRING, ELSET=STOP, NONLINEAR", "", f"0., {-length:.9g}", f"0., {0.15 * length:.9g}",
+                 f"{stop * 0.85 * length:.9g}, {length:.9g}"]
     weights = np.interp(times, *run.drive)
     changes = np.concatenate(([True], np.diff(weights) != 0.0))
     for weight in weights[changes]:

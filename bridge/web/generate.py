@@ -2,8 +2,8 @@
 """Makes the JavaScript package from bridge/c/api.json and the sources beside this script.
 
     generate.py --exports FILE                                the exports of the module, one a line, for the linker
-    generate.py --package FOLDER --wasm FILE --version X.Y.Z  supercircle.mjs, supercircle.js (classic script),
-                                                              supercircle.d.ts, supercircle.wasm, package.json, README.md,
+    generate.py --package FOLDER --wasm FILE... --version X.Y.Z  supercircle.mjs, supercircle.js (classic script),
+                                                              supercircle.d.ts, the modules, package.json, README.md,
                                                               LICENSE, THIRD_PARTY.txt
 
 A new call of the C interface gets into `calls`, its types and the exports by running this script.
@@ -17,8 +17,9 @@ import shutil
 HERE = pathlib.Path(__file__).resolve().parent
 HEADER = "supercircle.h"
 # In this order: a source uses those above it.
-PUBLIC = ["load", "drawPicture", "SupercircleError"]
-SOURCES = ["../../plugin/graphics/picture/canvas.js", "loader/loader.js", "loader/calls.js", "package/parts.js", "package/world.js", "package/library.js"]
+PUBLIC = ["load", "loadLab", "drawPicture", "SupercircleError"]
+SOURCES = ["../../plugin/graphics/picture/canvas.js", "loader/loader.js", "loader/calls.js", "package/parts.js", "package/world.js", "package/library.js",
+           "package/laboratory.js"]
 NUMBERS = {"double": ("d", "number"), "int32_t": ("i", "number"), "uint32_t": ("i", "number"), "uint64_t": ("u", "bigint")}
 ARRAYS = {"double": "Float64Array", "float": "Float32Array", "int32_t": "Int32Array", "uint8_t": "Uint8Array", "sc_point": "Float64Array"}
 # Numbers in a struct that say yes or no, and 64-bit members that are more than a count.
@@ -190,7 +191,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--exports", type=pathlib.Path)
     parser.add_argument("--package", type=pathlib.Path)
-    parser.add_argument("--wasm", type=pathlib.Path)
+    parser.add_argument("--wasm", type=pathlib.Path, nargs="*", default=[])
     parser.add_argument("--version")
     parser.add_argument("--licences", type=pathlib.Path, nargs="*", default=[], help="of what the module contains")
     arguments = parser.parse_args()
@@ -208,7 +209,8 @@ def main():
         (folder / "package.json").write_text((HERE / "package/package.json.in").read_text().replace("@VERSION@", arguments.version))
         shutil.copy(HERE / "package/README.md", folder)
         shutil.copy(HERE.parent.parent / "LICENSE", folder)
-        shutil.copy(arguments.wasm, folder / "supercircle.wasm")
+        for module in arguments.wasm:
+            shutil.copy(module, folder)
         parts = [f"==== {path.parent.name}\n\n{path.read_text(errors='replace')}" for path in arguments.licences if path.exists()]
         (folder / "THIRD_PARTY.txt").write_text("\n\n".join(parts))
 

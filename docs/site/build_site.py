@@ -3,7 +3,7 @@
     build_site.py --out FOLDER [--reference FOLDER] [--play FILE]
 
     --reference: HTML of Doxygen, copied to reference/cpp
-    --play: the page with the live scenes, copied to play/index.html
+    --play: the page with the live scenes, copied to play/index.html with recording_module.js beside it
 """
 
 import argparse
@@ -142,6 +142,7 @@ def main() -> int:
     if arguments.play:
         (out / "play").mkdir()
         shutil.copyfile(arguments.play, out / "play/index.html")
+        shutil.copy(arguments.play.parent / "recording_module.js", out / "play")
     for source, place in site.pages.items():
         site.write(source, place)
     site.check()

@@ -134,6 +134,42 @@ async function hanging() {
   await close(page);
 }
 
+async function recordings() {
+  const page = await open(wide);
+  const status = (start) => page.waitForFunction((s) => document.getElementById("recording-status").textContent.startsWith(s), start, { timeout: patience });
+  await page.click("#tab-recording");
+  await page.click("#example");
+  await status("Root mean square");
+  const told = await page.textContent("#recording-status");
+  assert.ok(Number(/\((\S+) % of the peak\)/.exec(told)?.[1]) < 1, told);
+  assert.match(await page.textContent("#account"), /Windows-1252/);
+  await show(page, "wide_recording");
+  await accessible(page, "wide recording");
+  await page.click("#diagnose");
+  await page.waitForFunction(() => document.getElementById("progress").value > 0, null, { timeout: patience });
+  await page.click("#stop");
+  await status("stopped");
+  // A description that does not fit is refused with a sentence; the file stays, and mended text compares again.
+  const good = await page.inputValue("#specimen");
+  await page.fill("#specimen", good.replace('"thickness_m"', '"thicknes_m"'));
+  await page.click("#again");
+  await page.waitForFunction(() => /missing[^]*thickness_m/.test(document.getElementById("recording-status").textContent));
+  await page.fill("#specimen", good);
+  await page.click("#again");
+  await status("Root mean square");
+  // A file of one's own.
+  await page.setInputFiles("#file", { name: "mine.csv", mimeType: "text/csv", buffer: Buffer.from("time [s];travel [mm];force [N]\n" +
+    Array.from({ length: 60 }, (_, i) => `${0.2 * i};${0.2 * Math.min(i, 59 - i)};${0.001 * Math.min(i, 59 - i)}`).join("\n")) });
+  await page.waitForFunction(() => document.getElementById("account").textContent.includes("mine.csv"));
+  await status("Root mean square");
+  await page.setInputFiles("#file", { name: "empty.csv", mimeType: "text/csv", buffer: Buffer.from("no numbers here") });
+  await page.waitForFunction(() => document.getElementById("recording-status").textContent.includes("empty.csv"));
+  await page.click("#tab-feel"); // the shells go on
+  const time = await page.evaluate(() => play.state.frame.time);
+  await page.waitForFunction((t) => play.state.frame.time > t, time, { timeout: patience });
+  await close(page);
+}
+
 const hashOf = (page) => page.evaluate(() => play.ask({ kind: "hash", steps: 90 }).then((a) => a.hash));
 
 async function links() {
@@ -158,7 +194,7 @@ async function links() {
 
 async function narrowPage() {
   const page = await open(narrow);
-  for (const tab of ["feel", "scenes", "json"]) {
+  for (const tab of ["feel", "scenes", "json", "recording"]) {
     await page.tap(`#tab-${tab}`);
     await page.waitForTimeout(200);
     await show(page, `narrow_${tab}`);
@@ -166,7 +202,7 @@ async function narrowPage() {
       const found = [], seen = [];
       if (document.documentElement.scrollWidth > innerWidth)
         found.push(`scrolls sideways: ${document.documentElement.scrollWidth} px`);
-      for (const e of document.querySelectorAll("button, input, a, textarea, canvas[tabindex]")) {
+      for (const e of document.querySelectorAll("button, input, select, a, textarea, canvas[tabindex]")) {
         const b = e.getBoundingClientRect();
         if (b.width === 0 || e.closest("dialog:not([open])") || e.closest("label, p") && e.tagName === "A")
           continue;
@@ -241,7 +277,7 @@ async function reducedMotion() {
   await close(page);
 }
 
-const parts = { selfPlay, phaseDiagram, everyScene, wrongText, hanging, links, narrowPage, keyboard, reducedMotion };
+const parts = { selfPlay, phaseDiagram, everyScene, wrongText, hanging, recordings, links, narrowPage, keyboard, reducedMotion };
 const wanted = process.env.PARTS ? process.env.PARTS.split(",") : Object.keys(parts);
 let failed = 0;
 for (const name of wanted) {

@@ -125,7 +125,8 @@ Json problemsJson(const Problems& problems) {
 
 const char* sc_lab_check(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request, {"scene", "file", "parameters"});
+        const Request r(request, {"scene", "file", "parameters", "content"});
+        const supercircle::TextsInMemory content(r.content());
         const auto source = sceneText(r);
         return watched(progress, context, [&](Watch&) {
             const auto& [text, file] = source;

@@ -257,9 +257,12 @@ Json importedJson(const importing::Imported& imported, const importing::Descript
 
 const char* sc_lab_import(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request, {"files", "texts", "protocol", "specimen", "scene_file", "encoding", "columns",
-                                  "units", "rate_Hz", "speed_m_s", "tolerance_m", "displacement", "force",
-                                  "from_turning_point", "average", "accept", "cut", "keep", "force_zero"});
+        const Request r(
+            request,
+            {"files",   "texts",   "protocol",  "specimen",    "scene_file",   "encoding", "columns",
+             "units",   "rate_Hz", "speed_m_s", "tolerance_m", "displacement", "force",    "from_turning_point",
+             "average", "accept",  "cut",       "keep",        "force_zero",   "content"});
+        const supercircle::TextsInMemory content(r.content());
         const importing::Hints hints = hintsOf(r);
         const std::vector<std::string> files = r.texts("files");
         std::vector<supercircle::record::NamedText> texts;
@@ -280,7 +283,9 @@ const char* sc_lab_import(const char* request, sc_lab_progress progress, void* c
 
 const char* sc_lab_replay(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request, {"file", "parameters", "effects", "with", "carry", "label", "elements", "fidelity"});
+        const Request r(request,
+                        {"file", "parameters", "effects", "with", "carry", "label", "elements", "fidelity", "content"});
+        const supercircle::TextsInMemory content(r.content());
         Json notes;
         cli::Replay all = prepared(r, notes);
         return watched(progress, context, [&](Watch& watch) {
@@ -303,7 +308,9 @@ const char* sc_lab_replay(const char* request, sc_lab_progress progress, void* c
 
 const char* sc_lab_diagnose(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request, {"file", "jobs", "seed", "without", "time_limit_min", "next_experiment", "cache"});
+        const Request r(request,
+                        {"file", "jobs", "seed", "without", "time_limit_min", "next_experiment", "cache", "content"});
+        const supercircle::TextsInMemory content(r.content());
         if (const auto ensembles = ensemblesAnswer(r))
             return watched(progress, context, [&](Watch&) { return *ensembles; });
         Json notes;

@@ -16,6 +16,31 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll{100}; ///< between two calls of the caller's `progress`
 
+/// Bytes of a text in base64 (RFC 4648, with padding).
+std::string decoded(const std::string& text, const std::string& path) {
+    static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const std::size_t padding = text.size() - std::min(text.size(), text.find_last_not_of('=') + 1);
+    std::string out;
+    std::uint32_t bits = 0;
+    int count = 0;
+    for (std::size_t i = 0; i + padding < text.size(); ++i) {
+        const std::size_t digit = kDigits.find(text[i]);
+        if (digit == std::string_view::npos)
+            refuse(SC_BAD_INPUT,
+                   "\"content\" of the request: " + path + " is no base64 at character " + std::to_string(i + 1));
+        bits = (bits << 6) | static_cast<std::uint32_t>(digit);
+        count += 6;
+        if (count >= 8) {
+            count -= 8;
+            out += static_cast<char>((bits >> count) & 0xffU);
+        }
+    }
+    if (text.size() % 4 != 0 || padding > 2)
+        refuse(SC_BAD_INPUT,
+               "\"content\" of the request: " + path + " is no base64: it does not end in groups of four");
+    return out;
+}
+
 } // namespace
 
 Request::Request(const char* text, std::vector<std::string> keys) {
@@ -94,23 +119,58 @@ std::string Request::document(const char* key) const {
     refuse(SC_BAD_INPUT, std::string("\"") + key + "\" of the request is neither an object nor a text");
 }
 
+std::shared_ptr<const TextsInMemory::Texts> Request::content() const {
+    const Json* object = find("content", "an object of texts by path", &Json::is_object);
+    if (object == nullptr)
+        return nullptr;
+    auto texts = std::make_shared<TextsInMemory::Texts>();
+    for (const auto& [path, value] : object->items()) {
+        const auto bytes = value.is_object() && value.size() == 1 ? value.find("base64") : value.end();
+        if (value.is_string())
+            (*texts)[path] = value.get<std::string>();
+        else if (value.is_object() && bytes != value.end() && bytes->is_string())
+            (*texts)[path] = decoded(bytes->get_ref<const std::string&>(), path);
+        else
+            refuse(SC_BAD_INPUT, "\"content\" of the request: " + path + " is neither a text nor {\"base64\": text}");
+    }
+    return texts;
+}
+
 void Watch::tell(double fraction, std::string stage) {
-    const std::lock_guard lock(lock_);
-    fraction_ = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-    stage_ = std::move(stage);
+    {
+        const std::lock_guard lock(lock_);
+        fraction_ = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
+        stage_ = std::move(stage);
+    }
+    if (told_)
+        told_();
 }
 
 std::string watched(sc_lab_progress progress, void* context, const std::function<Json(Watch&)>& work) {
     Watch watch;
     Json result;
+#if defined(SUPERCIRCLE_ONE_THREAD)
+    if (progress != nullptr)
+        watch.told_ = [&, last = std::chrono::steady_clock::time_point{}]() mutable {
+            const auto now = std::chrono::steady_clock::now();
+            if (now - last < kPoll)
+                return;
+            last = now;
+            if (progress(context, watch.fraction_, watch.stage_.c_str()) != 0)
+                watch.cancelled_ = true;
+        };
+    result = work(watch);
+#else
     if (progress == nullptr) {
         result = work(watch);
     } else {
+        const auto texts = TextsInMemory::current();
         std::exception_ptr failure;
         std::mutex lock;
         std::condition_variable changed;
         bool over = false;
         std::thread worker([&] {
+            const TextsInMemory same(texts);
             try {
                 result = work(watch);
             } catch (...) {
@@ -137,6 +197,7 @@ std::string watched(sc_lab_progress progress, void* context, const std::function
         if (failure)
             std::rethrow_exception(failure);
     }
+#endif
     return written(result);
 }
 

@@ -6,6 +6,7 @@
 #include "bridge/c/json.h"
 #include "plugin/scene/loader/scene.h"
 #include "supercircle/step/port.h"
+#include "supercircle/support/texts_in_memory.h"
 
 #include <atomic>
 #include <functional>
@@ -35,6 +36,8 @@ public:
     [[nodiscard]] std::vector<std::pair<std::string, double>> numbers(const char* key) const;
     /// A JSON text, or an object as one; empty if absent.
     [[nodiscard]] std::string document(const char* key) const;
+    /// "content": texts by path, or {"base64": "..."} for bytes; null if absent.
+    [[nodiscard]] std::shared_ptr<const TextsInMemory::Texts> content() const;
 
 private:
     [[nodiscard]] const Json* find(const char* key, const char* type, bool (Json::*is)() const noexcept) const;
@@ -54,9 +57,11 @@ private:
     std::mutex lock_;
     double fraction_ = 0.0;
     std::string stage_;
+    std::function<void()> told_; ///< called after each tell(), where there are no threads
 };
 
-/// Does the work, in a thread of its own if somebody watches. Its exceptions come out here.
+/// Does the work, in a thread of its own if somebody watches; without threads, `progress` is called by the work itself.
+/// Its exceptions come out here.
 std::string watched(sc_lab_progress progress, void* context, const std::function<Json(Watch&)>& work);
 
 /// A call of the laboratory.

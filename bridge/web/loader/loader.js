@@ -34,9 +34,9 @@ async function bytesOf(url) {
 /** An instance of the module: its exports, a scratch memory for arguments, and errors. */
 export class Core {
   /** Pages may not wait for an instance of this size, so it comes as a promise. */
-  static async make(module) {
+  static async make(module, own = {}) {
     const core = new Core();
-    core.exports = (await WebAssembly.instantiate(module, core.imports(module))).exports;
+    core.exports = (await WebAssembly.instantiate(module, core.imports(module, own))).exports;
     core.start();
     return core;
   }
@@ -55,8 +55,9 @@ export class Core {
   }
 
   /** What the module asks for: clock, randomness, messages. The rest answers "not supported". */
-  imports(module) {
+  imports(module, own) {
     const known = {
+      ...own,
       emscripten_notify_memory_growth: () => this.views(),
       clock_time_get: (id, precision, out) => {
         this.data.setBigUint64(out, BigInt(Math.round(1e6 * performance.now())), true);
@@ -137,9 +138,10 @@ export class Core {
 export async function compile(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (source === null) {
-    if (BESIDE === null) throw badInput("load() of the classic script needs the bytes of supercircle.wasm");
-    source = await bytesOf(BESIDE);
+    if (BESIDE === null) throw badInput("the classic script needs the bytes of the module");
+    source = BESIDE;
   }
+  if (source instanceof URL) source = await bytesOf(source);
   if (typeof Response === "function" && source instanceof Response) source = await source.arrayBuffer();
   return WebAssembly.compile(source);
 }

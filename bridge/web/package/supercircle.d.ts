@@ -18,6 +18,37 @@ export type Source = Compilable | Promise<Compilable> | null;
 /** The library on an instance of supercircle.wasm. */
 export function load(source?: Source): Promise<Supercircle>;
 
+/** Files by path: texts, or bytes in any encoding that an import understands. */
+export type Content = { [path: string]: string | Uint8Array };
+/** A request as docs/reference/lab_requests.md describes it. */
+export interface LabRequest {
+  content?: Content;
+  [key: string]: unknown;
+}
+export interface Lab {
+  /** Reads exports of testing machines as an experiment: account, and files with experiment.json. */
+  import(request: LabRequest): { status: string; account: string; assumed: string[]; missing: string[]; files: { [name: string]: string }; [key: string]: unknown };
+  /** Simulates a recorded experiment and compares. */
+  replay(request: LabRequest): { status: string; message: string; notes: string[]; replay: object; curves: ReplayedCurve[] };
+  /** Finds what physics a simulation of a recorded experiment leaves out. Takes minutes. */
+  diagnose(request: LabRequest): { status: string; message: string; notes: string[]; diagnosis?: object };
+}
+/** Readings of a run and channel, in its unit; null: missing. */
+export interface ReplayedCurve {
+  run: string;
+  channel: string;
+  unit: string;
+  time_s: (number | null)[];
+  displacement_m: (number | null)[];
+  recorded: (number | null)[];
+  simulated: (number | null)[];
+}
+/**
+ * The laboratory on an instance of supercircle_lab.wasm. Its calls block until they are done.
+ * @param progress called about ten times a second with a number from 0 to 1 and a stage; false cancels
+ */
+export function loadLab(source?: Source | URL, progress?: ((fraction: number, stage: string) => boolean | void) | null): Promise<Lab>;
+
 /** What a page draws: operations with their numbers and texts, in pixels (docs/reference/picture.md). */
 export interface Picture {
   operations: Int32Array;

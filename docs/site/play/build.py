@@ -1,4 +1,4 @@
-"""Makes the page: one HTML file with script, scenes and the deflated module inside.
+"""Makes the page: one HTML file with script, scenes and the deflated module inside, and beside it what one tab loads.
 
     build.py --package FOLDER --out FILE     FOLDER: where bridge/web/build.sh puts supercircle.js and supercircle.wasm
 """
@@ -14,7 +14,11 @@ import zlib
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 SCRIPTS = ["scenes.js", "engine.js", "pad.js", "curve.js", "goals.js", "share.js", "editor.js", "sound.js",
-           "state.js", "loading.js", "hands.js", "frames.js", "page.js"]
+           "state.js", "loading.js", "hands.js", "frames.js", "recording.js", "page.js"]
+TEMPLATES = {"shell": ("A shell on a cylinder", "examples/import/specimen.json", None),
+             "ring": ("A ring between plates", "examples/real/ring.json", None),
+             "bow": ("A strung bow", "examples/real/bow.json", None),
+             "pendulum": ("A pendulum, let go", "examples/real/pendulum.json", "pendulum")}
 
 
 def deflated(data: bytes) -> str:
@@ -25,6 +29,17 @@ def deflated(data: bytes) -> str:
 def inside_script(text: str) -> str:
     """A text that may stand in a script element."""
     return text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def recording_module(package: pathlib.Path) -> str:
+    """The script that the tab "Recording" loads: second module, descriptions to begin with, and an example."""
+    templates = {key: {"title": title, "specimen": (ROOT / specimen).read_text(),
+                       "scene": scene and {"name": scene, "text": (ROOT / f"scenes/{scene}.json").read_text()}}
+                 for key, (title, specimen, scene) in TEMPLATES.items()}
+    example = {"name": "shell_on_cylinder.csv", "template": "shell",
+               "base64": base64.b64encode((ROOT / "examples/import/shell_on_cylinder.csv").read_bytes()).decode()}
+    content = {"templates": templates, "example": example, "wasm": deflated((package / "supercircle_lab.wasm").read_bytes())}
+    return f"globalThis.recordingModule = {json.dumps(content)};\n"
 
 
 def main() -> None:
@@ -45,7 +60,9 @@ def main() -> None:
     parts = {
         "page.css": (HERE / "page.css").read_text(),
         "scenes": inside_script(json.dumps(texts)),
-        "worker": inside_script(library + "\n" + (HERE / "worker.js").read_text()),
+        "library": inside_script(library),
+        "worker": inside_script((HERE / "worker.js").read_text()),
+        "recording_worker": inside_script((HERE / "recording_worker.js").read_text()),
         "module": deflated((arguments.package / "supercircle.wasm").read_bytes()),
         "page": inside_script(page),
     }
@@ -53,7 +70,9 @@ def main() -> None:
     html = re.sub(r"\{\{([\w.]+)\}\}", lambda m: parts[m.group(1)], html)
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text(html)
-    print(f"{arguments.out}: {len(html) / 1000:.0f} kB")
+    second = arguments.out.parent / "recording_module.js"
+    second.write_text(recording_module(arguments.package))
+    print(f"{arguments.out}: {len(html) / 1000:.0f} kB; {second.name}: {second.stat().st_size / 1000:.0f} kB, when it is used")
 
 
 main()

@@ -45,7 +45,7 @@ function order(elapsed) {
 function animate(now) {
   requestAnimationFrame(animate);
   const elapsed = Math.min(0.1, (now - lastTime) / 1000);
-  if (document.hidden || !state.scene)
+  if (document.hidden || !state.scene || $("stage").offsetParent === null)
     return;
   const late = engine.lateness();
   $("trouble").hidden = late < 2;

@@ -44,15 +44,10 @@ $("copy").addEventListener("click", async () => {
   setTimeout(() => { $("copy").textContent = "Copy"; }, 2000);
   say("Copied.");
 });
-$("save").addEventListener("click", () => {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([state.text], { type: "application/json" }));
-  link.download = `${state.name ?? "scene"}.json`;
-  link.click();
-});
+$("save").addEventListener("click", () => saveFile(`${state.name ?? "scene"}.json`, state.text));
 $("close").addEventListener("click", () => $("sharing").close());
 
-const tabs = ["feel", "scenes", "json"];
+const tabs = ["feel", "scenes", "json", "recording"];
 for (const name of tabs)
   $(`tab-${name}`).addEventListener("click", () => {
     document.querySelector("main").dataset.tab = name;
@@ -60,6 +55,10 @@ for (const name of tabs)
       $(`tab-${other}`).setAttribute("aria-selected", String(other === name));
     pad.draw();
     curve.draw();
+    if (name === "recording") {
+      recording.open();
+      recording.draw();
+    }
   });
 
 function buildPictures() {
@@ -92,6 +91,7 @@ new ResizeObserver(() => {
   pad.draw();
   curve.draw();
 }).observe($("stage"));
+new ResizeObserver(() => recording.draw()).observe($("beside"));
 
 function hear(answer) {
   if (answer.kind === "frame")
@@ -132,7 +132,7 @@ async function begin() {
 (async () => {
   buildPictures();
   const bytes = await inflate($("module").textContent.trim());
-  engine = new Engine($("worker-code").textContent, bytes, hear);
+  engine = new Engine([$("library-code"), $("worker-code")].map((part) => part.textContent).join("\n"), bytes, hear);
   requestAnimationFrame(animate);
 })();
 

@@ -18,6 +18,13 @@ function say(words) {
   $("live").textContent = now - said < 50 ? `${$("live").textContent}. ${words}` : words;
   said = now;
 }
+/** Offers a text as a file. */
+function saveFile(name, text) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text]));
+  link.download = name;
+  link.click();
+}
 const hint = (words) => { $("hint").textContent = words; };
 
 const curve = new Curve($("curve"));

@@ -1,6 +1,7 @@
 #include "plugin/recording/table/files.h"
 
 #include "supercircle/support/regular_file.h"
+#include "supercircle/support/texts_in_memory.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -116,6 +117,8 @@ Status writeAtomically(const std::string& directory, const std::vector<NamedText
 }
 
 Result<std::string> readText(const std::string& path, std::uintmax_t mostBytes) {
+    if (const std::string* text = TextsInMemory::find(path); text != nullptr && text->size() <= mostBytes)
+        return *text;
     if (const std::string why = whyUnreadable(path, mostBytes); !why.empty())
         return Result<std::string>::failure("cannot read " + path + ": " + why);
     std::FILE* file = std::fopen(path.c_str(), "rb");

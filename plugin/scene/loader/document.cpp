@@ -5,6 +5,7 @@
 #include "plugin/scene/loader/document.h"
 
 #include "supercircle/support/regular_file.h"
+#include "supercircle/support/texts_in_memory.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -433,6 +434,9 @@ Result<std::string> readFile(const std::string& path, std::vector<Problem>& prob
         problems.push_back(p);
         return Result<std::string>::failure(p.toString());
     };
+    if (const std::string* text = TextsInMemory::find(path))
+        return text->size() <= maxFileSize ? Result<std::string>(*text)
+                                           : fail("larger than " + std::to_string(maxFileSize >> 20) + " MiB");
     if (const std::string why = whyUnreadable(path, maxFileSize); !why.empty())
         return fail(why);
     errno = 0;

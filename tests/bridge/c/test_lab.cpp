@@ -109,6 +109,41 @@ TEST_CASE("a sweep, a check, an import and a replay answer in JSON", "[c][lab]")
     CHECK(replay["curves"][0]["simulated"].size() == replay["curves"][0]["recorded"].size());
 }
 
+TEST_CASE("files may come in the request, as texts or bytes", "[c][lab]") {
+    const auto text = [](const std::filesystem::path& file) {
+        std::ifstream in(file, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    Json content;
+    for (const auto& file : std::filesystem::directory_iterator(std::filesystem::path(kCase).parent_path()))
+        content["memory/" + file.path().filename().string()] = text(file.path());
+    const Json request = {{"file", "memory/experiment.json"}, {"fidelity", "coarse"}, {"content", content}};
+    const Json here = ask(sc_lab_replay, request),
+               there = ask(sc_lab_replay, {{"file", kCase}, {"fidelity", "coarse"}});
+    CHECK(here["curves"] == there["curves"]);
+    bool told = false; // work for a watcher is done in another thread
+    CHECK(ask(sc_lab_check, {{"file", "memory/experiment.json"}, {"content", content}}, cancelAtOnce, &told)["valid"] ==
+          true);
+
+    // "Kraft" with an umlaut of Windows-1252, which no JSON text can hold.
+    const Json imported =
+        ask(sc_lab_import,
+            {{"files", {"pr\u00fcfung.csv"}},
+             {"specimen", "specimen.json"},
+             {"content",
+              {{"pr\u00fcfung.csv",
+                {{"base64", "WmVpdCBbc107V2VnIFttbV07S3LkZnQgW05dCjA7MDswCjE7MTsxCjI7MjsyCjM7MzszCjQ7NDs0CjU7NTs1"}}},
+               {"specimen.json", text(std::string(SC_SOURCE_DIR) + "/examples/import/specimen.json")}}}});
+    CHECK(imported["account"].get<std::string>().find("Windows-1252") != std::string::npos);
+    CHECK(imported["files"].contains("run_1.csv"));
+    CHECK(ask(sc_lab_check, {{"file", kCase}})["valid"] == true); // what came in a request is gone with it
+
+    for (const char* wrong :
+         {R"({"base64": "AB"})", R"({"base64": "A*=="})", R"({"bytes": "AAAA"})", "3", R"({"base64": "A==="})"})
+        CHECK(refusal(sc_lab_import, (R"({"files": ["a"], "content": {"a": )" + std::string(wrong) + "}}").c_str())
+                  .find("content") != std::string::npos);
+}
+
 TEST_CASE("work is cancelled from the caller's thread", "[c][lab]") {
     bool told = false;
     CHECK(ask(sc_lab_run, {{"file", kScenes + "stack30.json"}}, cancelAtOnce, &told)["status"] == "cancelled");

@@ -9,4 +9,4 @@ if (!existsSync(`${folder}/supercircle.mjs`)) {
   console.log(`skipped: there is no package in ${folder}; bridge/web/build.sh builds it`);
   process.exit(77);
 }
-export const { load, SupercircleError } = await import(pathToFileURL(`${folder}/supercircle.mjs`));
+export const { load, loadLab, SupercircleError } = await import(pathToFileURL(`${folder}/supercircle.mjs`));

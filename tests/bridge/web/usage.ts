@@ -1,5 +1,5 @@
 // A program in TypeScript that uses every class: `tsc --strict` must accept it, and refuse the lines marked so.
-import { drawPicture, load, SupercircleError, type Frame, type Shell, type Supercircle, type World } from "supercircle";
+import { drawPicture, load, loadLab, SupercircleError, type Frame, type Shell, type Supercircle, type World } from "supercircle";
 
 const sc: Supercircle = await load();
 const world: World = sc.World.forScene({ schema: "supercircle-scene/1" }, { quality: "game" });
@@ -38,6 +38,13 @@ try {
 }
 console.log(frame.leftOut, line, joint.reaction.force, push.valid, zone.shells, played, hash, state, raw, svg, draw, sc.effects()[0].key);
 
+const lab = await loadLab(null, (fraction, stage) => fraction < 0.5 || stage === "");
+const files: { [name: string]: string } = lab.import({ files: ["a.csv"], content: { "a.csv": new Uint8Array(3) } }).files;
+const gap: number | null = lab.replay({ file: "experiment.json", content: files }).curves[0].simulated[0];
+console.log(gap);
+
+// @ts-expect-error
+lab.replay({ content: { a: 3 } });
 // @ts-expect-error
 own.createShell({ radus: 1 });
 // @ts-expect-error

@@ -44,7 +44,7 @@ struct Reader {
     std::string string() {
         const std::uint64_t n = number();
         const char* raw = take(n);
-        return raw != nullptr ? std::string(raw, n) : std::string();
+        return raw != nullptr ? std::string(raw, static_cast<std::size_t>(n)) : std::string();
     }
     Eigen::VectorXd vector() {
         const std::uint64_t n = number();
@@ -54,7 +54,7 @@ struct Reader {
             return {};
         }
         Eigen::VectorXd v(static_cast<Eigen::Index>(n));
-        std::memcpy(v.data(), raw, n * sizeof(double));
+        std::memcpy(v.data(), raw, static_cast<std::size_t>(n) * sizeof(double));
         return v;
     }
 

@@ -99,7 +99,7 @@ TEST_CASE("bearing friction explains the losses of a real pendulum", "[diagnosis
     CHECK(with < 0.1 * without);
 }
 
-TEST_CASE("a release of a real pendulum is predicted from the others", "[diagnosis][real][slow]") {
+TEST_CASE("the later part of a real pendulum's releases is forecast from their beginning", "[diagnosis][real][slow]") {
     const auto recordings = real();
     if (!recordings)
         return;
@@ -112,8 +112,13 @@ TEST_CASE("a release of a real pendulum is predicted from the others", "[diagnos
     // friction nearest.
     CHECK(d.at("verdict") == "outside_catalogue");
     CHECK(d.at("effects").at(0).at("label") == "bearing_friction");
-    // A manual Gauss-Newton fit with load-dependent friction reaches 0.73.
-    CHECK(d.at("fit").at("improved").at("training_rmse_deg").get<double>() < 0.8);
-    CHECK(d.at("fit").at("improved").at("heldout_rmse_deg").get<double>() < 1.0);
-    CHECK(d.at("fit").at("baseline").at("heldout_rmse_deg").get<double>() > 60.0);
+    CHECK(d.at("statement").get<std::string>().find("The forecast does not hold for") != std::string::npos);
+    // A manual Gauss-Newton fit with load-dependent friction reaches 0.73 on all rows. A forecast from a third is worse
+    // by what the unknown impulse adds meanwhile; without friction the phase is lost and any error is one of chance.
+    const auto rmse = [&](const char* fit, const char* rows) {
+        return d.at("fit").at(fit).at(std::string(rows) + "_rmse_deg").get<double>();
+    };
+    CHECK(rmse("improved", "training") < 0.8);
+    CHECK(rmse("baseline", "heldout") > 60.0);
+    CHECK(rmse("improved", "heldout") < 0.05 * rmse("baseline", "heldout"));
 }

@@ -106,6 +106,8 @@ def hidden_effects(draw, plan, specimen):
         return [], 0.0
     baseline = specimen.baseline()
     known = {f.name: f for f in [*specimen.module.FAMILIES, *specimen.module.OUTSIDE]}
+    if plan["kind"] == "outside":  # what an effect of the catalogue imitates is not outside
+        baseline.imitate(known[f.name].draw(draw)(1.0) for f in specimen.module.FAMILIES)
     effects = []
     low, high = STRENGTHS[plan["strength"]]
     for name in plan["families"]:

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 LARGEST_DEVIATION = 8.0
+FREE = 1e4  # standard deviations: an amplitude that nothing holds
 STEP = 0.3  # of a half-width, towards the middle of the interval; the readings are nearly linear in it
 
 
@@ -31,15 +32,26 @@ class Baseline:
             columns.append((moved - self.readings) / step / math.sqrt(3.0))
             self.keys.append(key)
         self.columns = np.array(columns).T
+        self.imitations = []
+
+    def imitate(self, effects):
+        """Lets each of these effects, by itself, absorb what it can too."""
+        for effect in effects:
+            column = self.simulate(self.numbers, [effect]) - self.readings
+            if np.any(column):
+                self.imitations.append(FREE / np.linalg.norm(column) * column)
 
     def sigma(self, effects):
         """Detectability of these effects, in standard deviations of the test's statistic."""
-        return self.sigma_of(self.simulate(self.numbers, effects) - self.readings)
+        change = self.simulate(self.numbers, effects) - self.readings
+        return min([self.sigma_of(change), *(self.sigma_of(change, also=column) for column in self.imitations)])
 
-    def sigma_of(self, change, without=()):
+    def sigma_of(self, change, without=(), also=None):
         """The same of any change of the readings, which these numbers do not absorb. A few readings that differ by much
         more than the limit do not steer what the numbers absorb (Huber's weights)."""
         columns = self.columns[:, [key is None or key not in without for key in self.keys]]
+        if also is not None:
+            columns = np.column_stack([columns, also])
         x, rest = np.zeros(columns.shape[1]), change
         for _ in range(100):
             weighted = columns.T * (LARGEST_DEVIATION / np.maximum(np.abs(rest), LARGEST_DEVIATION))

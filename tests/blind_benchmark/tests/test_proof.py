@@ -385,6 +385,13 @@ def test_detectability_is_what_the_stated_numbers_do_not_absorb():
     amplitude = amplitude_for(base, lambda a: Effect("x", {"a": a}), 20.0, 50.0)
     assert base.sigma([Effect("x", {"a": amplitude})]) == pytest.approx(20.0, rel=0.1)
     assert amplitude_for(base, lambda a: Effect("x", {"a": a}), 20.0, 1.0) is None
+    # What an effect of the catalogue imitates is not outside; the other half of this one is.
+    half = Baseline(lambda numbers, effects: simulate(numbers, effects) + sum(e.parameters.get("b", 0.0) * t**3 for e in effects),
+                    {"slope": 1.0}, [("slope", Stated(1.0, 100.0))], [1e6 * np.ones_like(t)])
+    half.imitate([Effect("x", {"a": 3.0}), Effect("x", {"a": 0.0})])
+    assert half.sigma([Effect("x", {"a": 1.0})]) < 1e-2
+    cubic = t**3 - t * (t**4).mean() / (t**2).mean()
+    assert half.sigma([Effect("y", {"a": 5.0, "b": 1.0})]) == pytest.approx(np.linalg.norm(cubic), rel=1e-2)
 
 
 def test_a_strong_effect_does_not_vanish_in_the_numbers_that_absorb_a_constant():

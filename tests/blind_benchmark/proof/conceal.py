@@ -11,7 +11,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from description import Stated  # noqa: E402
-from detectability import Baseline, amplitude_for  # noqa: E402
+from detectability import Baseline, amplitude_for, outside_amplitude  # noqa: E402
 
 STRENGTHS = {"strong": (40.0, 150.0), "limit": (4.5, 8.0), "below": (0.3, 0.8)}  # sigma, drawn logarithmically
 ATTEMPTS = 30
@@ -106,8 +106,6 @@ def hidden_effects(draw, plan, specimen):
         return [], 0.0
     baseline = specimen.baseline()
     known = {f.name: f for f in [*specimen.module.FAMILIES, *specimen.module.OUTSIDE]}
-    if plan["kind"] == "outside":  # what an effect of the catalogue imitates is not outside
-        baseline.imitate(known[f.name].draw(draw)(1.0) for f in specimen.module.FAMILIES)
     effects = []
     low, high = STRENGTHS[plan["strength"]]
     for name in plan["families"]:
@@ -115,10 +113,14 @@ def hidden_effects(draw, plan, specimen):
         most = max(low, min(high, known[name].reach))
         wanted = low * math.exp(draw.random() * math.log(most / low))
         amplitude = amplitude_for(baseline, make, wanted, known[name].largest)
+        if amplitude is not None and plan["kind"] == "outside":
+            amplitude, sigma = outside_amplitude(baseline, make, amplitude, known[name].largest, low,
+                                                 [f.draw(draw) for f in specimen.module.FAMILIES])
         if amplitude is None:
             return None
         effects.append(make(amplitude))
-    sigma = baseline.sigma(effects)
+    if plan["kind"] != "outside":
+        sigma = baseline.sigma(effects)
     return (effects, sigma) if 0.8 * low <= sigma <= 2.0 * high else None
 
 

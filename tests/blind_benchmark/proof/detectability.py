@@ -9,7 +9,8 @@ import math
 import numpy as np
 
 LARGEST_DEVIATION = 8.0
-FREE = 1e4  # standard deviations: an amplitude that nothing holds
+SMALL = 0.1  # amplitude of an imitation at which its derivatives are taken
+FREE = 1e3  # its amplitude in units of a priori standard deviations: nothing holds it
 STEP = 0.3  # of a half-width, towards the middle of the interval; the readings are nearly linear in it
 
 
@@ -32,26 +33,15 @@ class Baseline:
             columns.append((moved - self.readings) / step / math.sqrt(3.0))
             self.keys.append(key)
         self.columns = np.array(columns).T
-        self.imitations = []
-
-    def imitate(self, effects):
-        """Lets each of these effects, by itself, absorb what it can too."""
-        for effect in effects:
-            column = self.simulate(self.numbers, [effect]) - self.readings
-            if np.any(column):
-                self.imitations.append(FREE / np.linalg.norm(column) * column)
 
     def sigma(self, effects):
         """Detectability of these effects, in standard deviations of the test's statistic."""
-        change = self.simulate(self.numbers, effects) - self.readings
-        return min([self.sigma_of(change), *(self.sigma_of(change, also=column) for column in self.imitations)])
+        return self.sigma_of(self.simulate(self.numbers, effects) - self.readings)
 
-    def sigma_of(self, change, without=(), also=None):
+    def sigma_of(self, change, without=()):
         """The same of any change of the readings, which these numbers do not absorb. A few readings that differ by much
         more than the limit do not steer what the numbers absorb (Huber's weights)."""
         columns = self.columns[:, [key is None or key not in without for key in self.keys]]
-        if also is not None:
-            columns = np.column_stack([columns, also])
         x, rest = np.zeros(columns.shape[1]), change
         for _ in range(100):
             weighted = columns.T * (LARGEST_DEVIATION / np.maximum(np.abs(rest), LARGEST_DEVIATION))
@@ -62,13 +52,14 @@ class Baseline:
         clipped = np.clip(rest, -LARGEST_DEVIATION, LARGEST_DEVIATION)
         return math.sqrt(clipped @ clipped + x @ x)
 
-    def sigma_left(self, wanted, without=()):
+    def sigma_left(self, wanted, without=(), imitation=None):
         """The same of readings that differ by more than the derivatives reach, such as another frequency: what is left
-        of them after the numbers, but for these, have absorbed what they can (Gauss and Newton, derivatives of the
-        start)."""
+        of them after the numbers, but for these, have absorbed what they can (Gauss and Newton). imitation(amplitude):
+        an effect that absorbs too, at any amplitude."""
         used = [i for i, key in enumerate(self.keys) if key is None or key not in without]
         columns = self.columns[:, used]
-        normal = columns.T @ columns + np.eye(len(used))
+        if imitation:
+            columns = np.column_stack([columns, FREE * (self.simulate(self.numbers, [imitation(SMALL)]) - self.readings) / SMALL])
 
         def left(x):
             numbers, linear = dict(self.numbers), np.zeros_like(self.readings)
@@ -77,12 +68,14 @@ class Baseline:
                     linear = linear + value * self.columns[:, i]
                 else:
                     numbers[self.keys[i]] += value * self.deviation[self.keys[i]]
-            return wanted - linear - self.simulate(numbers, [])
+            effects = [imitation(FREE * x[-1])] if imitation and x[-1] != 0.0 else []
+            return wanted - linear - self.simulate(numbers, effects)
 
-        x = np.zeros(len(used))
+        x = np.zeros(columns.shape[1])
         rest = left(x)
         cost = rest @ rest
-        for _ in range(5):
+        for _ in range(20):
+            normal = columns.T @ columns + np.eye(len(x))
             step = np.linalg.solve(normal, columns.T @ rest - x)
             for share in (1.0, 0.4, 0.15):
                 try:
@@ -94,8 +87,10 @@ class Baseline:
                     break
             else:
                 break
+            # The derivatives learn from what the step did (Broyden).
+            columns = columns + np.outer(rest - following - share * (columns @ step), step) / (share * (step @ step))
             x, rest, before, cost = x + share * step, following, cost, lower
-            if cost > 0.95 * before:
+            if cost > 0.99 * before:
                 break
         clipped = np.clip(rest, -LARGEST_DEVIATION, LARGEST_DEVIATION)
         return math.sqrt(clipped @ clipped + x @ x)
@@ -121,3 +116,24 @@ def amplitude_for(baseline, effect, wanted, largest, tolerance=0.1):
             break
         a = following
     return best[1] if best else None
+
+
+def outside_amplitude(baseline, effect, amplitude, largest, wanted, catalogue):
+    """(amplitude, detectability) from an amplitude upwards, at which the effect has the wanted detectability behind the
+    numbers and each effect of the catalogue by itself; (None, 0) where no plausible one has. What the catalogue imitates
+    is not outside."""
+    for _ in range(8):
+        try:
+            readings, seen = baseline.simulate(baseline.numbers, [effect(amplitude)]), math.inf
+            for imitation in (None, *catalogue):
+                seen = min(seen, baseline.sigma_left(readings, imitation=imitation))
+                if seen < wanted:
+                    break
+            else:
+                return amplitude, seen
+        except (RuntimeError, ValueError):  # too strong for the simulator
+            break
+        if amplitude == largest:
+            break
+        amplitude = min(largest, amplitude * min(3.0, max(1.2, 1.1 * wanted / seen)))
+    return None, 0.0

@@ -251,7 +251,8 @@ void applyRejection(Hypotheses& all, const PredictiveScore& baseline, const Pred
                    given.isAtBound(out.best) || given.failsToForecast(out.best) || given.periodicDisturbance;
     if (out.rejected)
         all.drawn.col(1) = all.drawn.col(1).cwiseMax(all.drawn.col(Hypotheses::place(out.best)));
-    if (left > kRejectedExcess || given.periodicDisturbance) // odds of 150 against the noise being misjudged
+    const bool refuted = given.failsToForecast(out.best) && left > kTrueEffectExcess;
+    if (refuted || left > kRejectedExcess || given.periodicDisturbance) // odds of 150 against the noise being misjudged
         all.drawn.col(1).array() += 5.0;
 }
 

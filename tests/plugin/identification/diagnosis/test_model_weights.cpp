@@ -50,6 +50,16 @@ TEST_CASE("a large residual is not identified, and a failed prediction has no we
     CHECK(peak.outsideCatalogue > 0.5);
     CHECK(peak.effects[0] < good.effects[0]);
     given.largestZ = {0.0};
+    // More than any true effect leaves, and a forecast that fails: two reasons, and no coin is thrown between them.
+    PredictiveScore fan = better;
+    fan.energy.setConstant(6, 700.0);
+    CHECK(modelWeights(baseline, {fan, usable(broken, baseline)}, given).outsideCatalogue < 0.9);
+    given.forecastFails = {1, 0};
+    const ModelWeights refuted = modelWeights(baseline, {fan, usable(broken, baseline)}, given);
+    CHECK(refuted.rejected);
+    CHECK(refuted.outsideCatalogue > 0.98); // odds of exp(5)
+    CHECK(modelWeights(baseline, {better, usable(broken, baseline)}, given).outsideCatalogue < 0.9);
+    given.forecastFails.clear();
     given.periodicDisturbance = true; // the dominant disturbance continues while the crosshead rests
     const ModelWeights beside = modelWeights(baseline, {better, usable(broken, baseline)}, given);
     CHECK(beside.rejected);

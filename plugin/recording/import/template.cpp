@@ -175,8 +175,15 @@ void merge(Json& into, const Json& from) {
     }
 }
 
+/// Whether a file describes one specimen and nothing else: it has members of the frame's specimens at its top.
+bool isSpecimen(const Json& own, const Json& frame) {
+    const Json& specimen = frame["specimens"][0];
+    return std::any_of(own.items().begin(), own.items().end(),
+                       [&](const auto& member) { return member.key() != "id" && specimen.contains(member.key()); });
+}
+
 void addOwn(Json& json, const Json& own) {
-    if (!own.contains("arc_length_m")) {
+    if (!isSpecimen(own, json)) {
         merge(json, own);
         return;
     }
@@ -193,14 +200,13 @@ bool states(const Json& own, const std::string& pointer) {
 }
 
 /// Assumptions of the template that the user did not replace.
-std::vector<std::string> assumed(const Json& json, const Json& own) {
+std::vector<std::string> assumed(const Json& json, const Json& own, bool one) {
     std::vector<std::string> all;
     const auto look = [&](const std::string& pointer, const std::string& inOwn) {
         if (!states(own, inOwn))
             all.push_back(pointer + ": " + record::jsonText(json[Json::json_pointer(pointer)], -1));
     };
     look("/gravity_m_s2", "/gravity_m_s2");
-    const bool one = own.contains("arc_length_m");
     for (std::size_t i = 0; json["specimens"].is_array() && i < json["specimens"].size(); ++i)
         for (const char* key :
              {"natural_curvature_rel_unc", "thickness_unc_m", "bending_modulus_rel_unc", "linear_mass_rel_unc"}) {
@@ -243,16 +249,26 @@ const char* expectedAt(const std::string& key) {
     return "";
 }
 
-void collectTodo(const Json& json, const std::string& pointer, std::vector<std::string>& todo) {
-    if (json.is_null()) {
-        const std::string key = pointer.substr(pointer.rfind('/') + 1), words = expectedAt(key);
-        todo.push_back(pointer + (words.empty() ? "" : ": " + words));
-    } else if (json.is_object()) {
+/// Pointers to what is null, with what is expected there. A member beside it that `frame` does not have may be the same
+/// with a slip of the pen.
+void collectTodo(const Json& json, const Json& frame, const std::string& pointer, std::vector<std::string>& todo) {
+    if (json.is_object()) {
+        std::vector<std::string> strange;
         for (const auto& [key, value] : json.items())
-            collectTodo(value, pointer + "/" + key, todo);
+            if (!frame.contains(key) && !value.is_null())
+                strange.push_back(key);
+        for (const auto& [key, value] : json.items()) {
+            collectTodo(value, frame.contains(key) ? frame[key] : kNothing, pointer + "/" + key, todo);
+            if (const std::string near = value.is_null() ? nearestName(key, strange) : ""; !near.empty())
+                todo.back() += "; is it what is called \"" + near + "\" there?";
+        }
     } else if (json.is_array()) {
         for (std::size_t i = 0; i < json.size(); ++i)
-            collectTodo(json[i], pointer + "/" + std::to_string(i), todo);
+            collectTodo(json[i], frame.is_array() && i < frame.size() ? frame[i] : kNothing,
+                        pointer + "/" + std::to_string(i), todo);
+    } else if (json.is_null()) {
+        const std::string key = pointer.substr(pointer.rfind('/') + 1), words = expectedAt(key);
+        todo.push_back(pointer + (words.empty() ? "" : ": " + words));
     }
 }
 
@@ -274,8 +290,8 @@ void addSizes(Json& json, const Imported& all, std::vector<std::string>& remarks
 
 Description fillIn(const Imported& all, const std::string& protocol, const Json& own) {
     Description result;
-    Json json = frameOf(all, protocol);
-    Json taken = own;
+    const Json frame = frameOf(all, protocol);
+    Json json = frame, taken = own;
     if (own.contains("runs") && own["runs"].size() != all.runs.size()) {
         taken.erase("runs");
         result.remarks.push_back("the runs of the file with the specimen are not taken: there are " +
@@ -284,8 +300,8 @@ Description fillIn(const Imported& all, const std::string& protocol, const Json&
     addOwn(json, taken);
     addSizes(json, all, result.remarks);
     json = record::parseJson(withDerivedValues(text(json), all, result.remarks));
-    collectTodo(json, "", result.todo);
-    result.assumed = assumed(json, own);
+    collectTodo(json, frame, "", result.todo);
+    result.assumed = assumed(json, own, isSpecimen(own, frame));
     result.json = text(json) + "\n";
     return result;
 }
@@ -294,10 +310,11 @@ Result<Description> fillInFree(const Imported& all, const TemplateOptions& optio
     auto result = describeFree(all, options);
     if (!result)
         return result;
-    Json json = record::parseJson(result->json);
+    const Json frame = record::parseJson(result->json);
+    Json json = frame;
     merge(json, own);
     std::erase_if(result->assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
-    collectTodo(json, "", result->todo);
+    collectTodo(json, frame, "", result->todo);
     result->json = text(json) + "\n";
     return result;
 }

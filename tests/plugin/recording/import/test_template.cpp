@@ -101,6 +101,26 @@ TEST_CASE("protocol and specimen complete it", "[importing]") {
     CHECK(loaded->runs[0].driveTime.size() == 5);
 }
 
+TEST_CASE("a slip of the pen is named beside what it leaves out", "[importing]") {
+    const Folder folder;
+    for (const auto& [meant, written] : {std::pair{"thickness_m", "thicknes_m"},
+                                         {"thickness_m", "thickness_mm"},
+                                         {"arc_length_m", "arc_lenght_m"},
+                                         {"arc_length_m", "length_m"}}) {
+        Json one = test::parseJson(specimen);
+        one[written] = one[meant];
+        one.erase(meant);
+        INFO(written);
+        // as the file of one specimen, and as one of several in a description of the experiment
+        for (const Json& own : {one, Json{{"specimens", Json::array({one})}}}) {
+            const auto d = described({"shell_on_rigid_cylinder", folder.write("own.json", test::jsonText(own))});
+            CHECK_THAT(joined(d.todo), Contains("/specimens/0/" + std::string(meant) + ": ") &&
+                                           Contains("is it what is called \"" + std::string(written) + "\" there?"));
+            CHECK(joined(d.todo).find("called \"young") == std::string::npos);
+        }
+    }
+}
+
 TEST_CASE("the upper plate above an arch is derived", "[importing]") {
     const Folder folder;
     const Json own = {{"specimens", Json::array({test::parseJson(specimen)})}, {"friction", {{"coefficient", 0.3}}}};

@@ -117,8 +117,12 @@ Status writeAtomically(const std::string& directory, const std::vector<NamedText
 }
 
 Result<std::string> readText(const std::string& path, std::uintmax_t mostBytes) {
-    if (const std::string* text = TextsInMemory::find(path); text != nullptr && text->size() <= mostBytes)
+    if (const std::string* text = TextsInMemory::find(path)) {
+        if (text->size() > mostBytes)
+            return Result<std::string>::failure("cannot read " + path + ": larger than " +
+                                                std::to_string(mostBytes >> 20) + " MiB");
         return *text;
+    }
     if (const std::string why = whyUnreadable(path, mostBytes); !why.empty())
         return Result<std::string>::failure("cannot read " + path + ": " + why);
     std::FILE* file = std::fopen(path.c_str(), "rb");

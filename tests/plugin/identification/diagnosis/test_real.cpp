@@ -113,12 +113,12 @@ TEST_CASE("the later part of a real pendulum's releases is forecast from their b
     CHECK(d.at("verdict") == "outside_catalogue");
     CHECK(d.at("effects").at(0).at("label") == "bearing_friction");
     CHECK(d.at("statement").get<std::string>().find("The forecast does not hold for") != std::string::npos);
-    // A manual Gauss-Newton fit with load-dependent friction reaches 0.73 on all rows. A forecast from a third is worse
-    // by what the unknown impulse adds meanwhile; without friction the phase is lost and any error is one of chance.
+    // A manual Gauss-Newton fit with load-dependent friction reaches 0.73 on all rows. Held out is the later part of
+    // each release, so the error there holds what the unknown impulse adds meanwhile, too.
     const auto rmse = [&](const char* fit, const char* rows) {
         return d.at("fit").at(fit).at(std::string(rows) + "_rmse_deg").get<double>();
     };
     CHECK(rmse("improved", "training") < 0.8);
+    CHECK(rmse("improved", "heldout") < 1.0);
     CHECK(rmse("baseline", "heldout") > 60.0);
-    CHECK(rmse("improved", "heldout") < 0.05 * rmse("baseline", "heldout"));
 }

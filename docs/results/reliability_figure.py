@@ -27,7 +27,7 @@ def text(x, y, words, anchor="middle", extra=""):
     return f"<text x='{x:.1f}' y='{y:.1f}' {FONT} font-size='13' fill='{INK}' text-anchor='{anchor}'{extra}>{words}</text>"
 
 
-def frame():
+def frame(up="share of cases in which it is the hidden effect"):
     out = []
     for tick in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0):
         out.append(f"<line x1='{x_of(tick)}' y1='{y_of(0)}' x2='{x_of(tick)}' y2='{y_of(1)}' stroke='{GRID}'/>")
@@ -37,8 +37,7 @@ def frame():
     out.append(f"<line x1='{x_of(0)}' y1='{y_of(0)}' x2='{x_of(1)}' y2='{y_of(1)}' stroke='{INK}' "
                "stroke-dasharray='5 4'/>")
     out.append(text(x_of(0.5), y_of(0) + 42, "probability stated for the first label"))
-    out.append(text(20, y_of(0.5), "share of cases in which it is the hidden effect",
-                    extra=f" transform='rotate(-90 20 {y_of(0.5)})'"))
+    out.append(text(20, y_of(0.5), up, extra=f" transform='rotate(-90 20 {y_of(0.5)})'"))
     return out
 
 
@@ -83,15 +82,19 @@ def legend():
     return out
 
 
-def main():
-    reliability = print_tables.read("reliability.csv")
-    width, height = LEFT + SIZE + 220, TOP + SIZE + 60
-    body = frame() + sets(reliability) + together(reliability) + legend()
+def write(name, body, beside):
+    """A figure in docs/pictures; `beside` the axes is room for words."""
+    width, height = LEFT + SIZE + beside, TOP + SIZE + 60
     svg = (f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {width} {height}' width='{width}' height='{height}' "
            "role='img' aria-label='Reliability diagram of the diagnosis'>\n"
            f"<rect width='{width}' height='{height}' fill='white'/>\n" + "\n".join(body) + "\n</svg>\n")
-    with open(os.path.join(HERE, "..", "pictures", "diagnosis_reliability.svg"), "w", encoding="utf-8") as file:
+    with open(os.path.join(HERE, "..", "pictures", name), "w", encoding="utf-8") as file:
         file.write(svg)
+
+
+def main():
+    reliability = print_tables.read("reliability.csv")
+    write("diagnosis_reliability.svg", frame() + sets(reliability) + together(reliability) + legend(), 220)
 
 
 if __name__ == "__main__":

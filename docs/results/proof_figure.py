@@ -17,11 +17,11 @@ COLOUR = axes.COLOURS["all blind"]
 
 def points(rows):
     """(mean probability, cases whose group holds the truth, cases) of each bin: single effects, strong and near the limit."""
-    chosen = [r for r in rows if r["kind"] in ("single", "limit") and r["p_first"] != "" and r["first"]]
+    chosen = [r for r in rows if r["kind"] in ("single", "limit") and r["p_group"] != "" and r["first"]]
     for low, high in print_page.BINS:
-        of = [r for r in chosen if low <= float(r["p_first"]) < high]
+        of = [r for r in chosen if low <= float(r["p_group"]) < high]
         if of:
-            yield (sum(float(r["p_first"]) for r in of) / len(of),
+            yield (sum(float(r["p_group"]) for r in of) / len(of),
                    sum(r["hidden"] in r["group"].split("|") for r in of), len(of))
 
 

@@ -1,6 +1,7 @@
 // Writes synthetic cases: DIR/<case>/ is what a diagnosis may see, DIR/answers/<case>.json what it may not.
 // Existing cases are kept.
 
+#include "tests/blind_benchmark/synthetic_cases/detectability.h"
 #include "tests/blind_benchmark/synthetic_cases/make_case.h"
 
 #include <cstdio>
@@ -8,7 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
 namespace {
 
@@ -31,31 +32,20 @@ int printAccuracy(const std::string& part, std::uint64_t seed, const std::string
     return 3;
 }
 
-/// Writes one arch: what ./prove.sh asks for.
-/// @param what kind, strength and families, such as single:strong:relaxation or pair:strong:drift+machine
-int writeArch(const std::string& what, std::uint64_t seed, const std::string& name, const fs::path& folder) {
-    CasePlan plan;
-    std::istringstream in(what);
-    std::string families;
-    std::getline(in, plan.kind, ':');
-    std::getline(in, plan.strength, ':');
-    std::getline(in, families, ':');
-    std::istringstream list(families);
-    for (std::string one; std::getline(list, one, '+');)
-        plan.families.push_back(family(one).name);
-    plan.name = name;
-    plan.part = "proof";
-    plan.seed = seed;
-    plan.protocol = Protocol::Arch;
-    const SyntheticCase c = makeCase(plan);
-    if (!c.failure.empty()) {
-        std::fprintf(stderr, "%s: %s\n", name.c_str(), c.failure.c_str());
+/// Prints the readings of a described experiment without noise, N: a list a run. Numbers of the description are true.
+/// @param effects file with a list of labels and parameters, as in the answers
+/// @param factor of the resolution of recordings; 0: the coarse one that sizes of effects are sought with
+int printReadings(const std::string& experiment, const std::string& effects, double factor) {
+    Description d = readDescription(experiment);
+    for (const auto& effect : nlohmann::json::parse(std::ifstream(effects)))
+        apply(d.nominal.effects, {effect.at("label"), effect.at("parameters")});
+    const CleanReadings readings =
+        simulate(d, d.nominal, factor > 0.0 ? finer(factor) : coarseResolution(d.nominal.specimens.size()));
+    if (!readings.failure.empty()) {
+        std::fprintf(stderr, "%s\n", readings.failure.c_str());
         return 3;
     }
-    fs::create_directories(folder);
-    for (const auto& [file, text] : c.files)
-        writeAtomically(folder / file, text);
-    writeAtomically(folder / "answer.json", c.answer);
+    std::printf("%s\n", nlohmann::json(readings.force).dump().c_str());
     return 0;
 }
 
@@ -92,7 +82,8 @@ int main(int argc, char** argv) {
     int jobs = 1, job = 0;
     const char* only = nullptr;
     const char* accuracy = nullptr;
-    std::string arch, name = "arch";
+    std::string readings, effects;
+    double resolution = 1.0;
     for (int i = 1; i + 1 < argc; i += 2) {
         const std::string key = argv[i];
         if (key == "--part")
@@ -105,26 +96,29 @@ int main(int argc, char** argv) {
             accuracy = argv[i + 1];
         else if (key == "--only")
             only = argv[i + 1];
-        else if (key == "--arch")
-            arch = argv[i + 1];
-        else if (key == "--name")
-            name = argv[i + 1];
+        else if (key == "--readings")
+            readings = argv[i + 1];
+        else if (key == "--effects")
+            effects = argv[i + 1];
+        else if (key == "--resolution")
+            resolution = std::strtod(argv[i + 1], nullptr);
         else if (key == "--shard")
             std::sscanf(argv[i + 1], "%d/%d", &job, &jobs);
         else
             out.clear();
     }
-    if ((out.empty() && accuracy == nullptr) || !isPart(part) || jobs < 1) {
-        std::fprintf(stderr, "synthetic_cases --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard "
-                             "I/N] [--accuracy CASE]\n"
-                             "synthetic_cases --arch KIND:STRENGTH:FAMILIES --name NAME --seed N --out DIR\n");
+    if ((out.empty() && accuracy == nullptr && readings.empty()) || !isPart(part) || jobs < 1) {
+        std::fprintf(stderr,
+                     "synthetic_cases --part tuning|blind|limit --out DIR [--seed N] [--only CASE] [--shard "
+                     "I/N] [--accuracy CASE]\n"
+                     "synthetic_cases --readings EXPERIMENT.json --effects EFFECTS.json [--resolution FACTOR]\n");
         return 2;
     }
     if (seed == 0)
         seed = part == "tuning" ? 1 : 2026;
     try {
-        if (!arch.empty())
-            return writeArch(arch, seed, name, out);
+        if (!readings.empty())
+            return printReadings(readings, effects, resolution);
         if (accuracy != nullptr)
             return printAccuracy(part, seed, accuracy);
         return work(part, seed, out, jobs, job, only) == 0 ? 0 : 3;

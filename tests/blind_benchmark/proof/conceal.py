@@ -92,9 +92,11 @@ def another_specimen(draw, specimen):
     moved = draw.sample(free, min(len(free), draw.choice((1, 2))))
     edge = dict(specimen.numbers)
     for key in moved:
-        sign = draw.choice((-1, 1))
+        sign, away = draw.choice((-1, 1)), draw.uniform(3.0, 6.0)
+        if stated[key].value >= stated[key].half and stated[key].value - away * stated[key].half < 0.0:
+            sign = 1  # a number that is positive by nature stays so
         edge[key] = stated[key].value + sign * stated[key].half
-        specimen.numbers[key] = stated[key].value + sign * draw.uniform(3.0, 6.0) * stated[key].half
+        specimen.numbers[key] = stated[key].value + sign * away * stated[key].half
     at_edge = Baseline(specimen.scaled, edge, specimen.description.numbers(), specimen.zeros())
     seen = at_edge.sigma_left(specimen.scaled(specimen.numbers, []), moved)
     return [name for _, name in moved] if seen >= STRENGTHS["strong"][0] else None
@@ -106,7 +108,7 @@ def hidden_effects(draw, plan, specimen):
         return [], 0.0
     baseline = specimen.baseline()
     known = {f.name: f for f in [*specimen.module.FAMILIES, *specimen.module.OUTSIDE]}
-    effects = []
+    parts, effects = [], []
     low, high = STRENGTHS[plan["strength"]]
     for name in plan["families"]:
         make = known[name].draw(draw)
@@ -118,10 +120,24 @@ def hidden_effects(draw, plan, specimen):
                                                  [f.draw(draw) for f in specimen.module.FAMILIES])
         if amplitude is None:
             return None
+        parts.append((make, amplitude))
         effects.append(make(amplitude))
-    if plan["kind"] != "outside":
+    if plan["kind"] == "pair":  # neither is what the other one imitates
+        readings = specimen.scaled(specimen.numbers, effects)
+        sigma = min(baseline.sigma_left(readings, imitation=make, start=amplitude) for make, amplitude in parts)
+    elif plan["kind"] != "outside":
         sigma = baseline.sigma(effects)
     return (effects, sigma) if 0.8 * low <= sigma <= 2.0 * high else None
+
+
+def pairs(module):
+    """All pairs of effects with two labels."""
+    return [[a.name, b.name] for i, a in enumerate(module.FAMILIES) for b in module.FAMILIES[i + 1:] if a.label != b.label]
+
+
+def described(module, description):
+    """experiment.json of a set-up: of a scene, or in a form of its own."""
+    return getattr(module, "experiment_of", experiment_of)(description)
 
 
 def experiment_of(description):
@@ -158,13 +174,18 @@ def csv_of(run, description, columns):
 
 
 def stand_ins(plan, module, seed):
-    """The plan, then the same with each other effect of its kind, for the seed may draw one that no specimen shows."""
+    """The plan, then the same with each other effect or pair of its kind, for the seed may draw one that no specimen
+    shows."""
     yield plan
-    kinds = module.OUTSIDE if plan["kind"] == "outside" else module.FAMILIES
-    others = [f.name for f in kinds if [f.name] != plan["families"]]
+    if not plan["families"]:
+        return
+    own = plan["families"]
+    if plan["kind"] == "pair":
+        others = [pair for pair in pairs(module) if pair != own]
+    else:
+        others = [[f.name] for f in (module.OUTSIDE if plan["kind"] == "outside" else module.FAMILIES) if [f.name] != own]
     draw_of(seed, plan["name"], "stand-ins").shuffle(others)
-    if len(plan["families"]) == 1:
-        yield from ({**plan, "families": [name], "instead_of": plan["families"][0]} for name in others)
+    yield from ({**plan, "families": names, "instead_of": "+".join(own)} for names in others)
 
 
 def make_case(plan, seed, distance=False):
@@ -173,8 +194,6 @@ def make_case(plan, seed, distance=False):
     why = None
     for other in stand_ins(plan, module, seed):
         try:
-            if hasattr(module, "make_case"):  # a simulator with its own benchmark
-                return module.make_case(other, seed)
             return shown(other, module, seed, distance)
         except RuntimeError as one:
             why = why or one
@@ -194,20 +213,24 @@ def shown(plan, module, seed, distance):
             moved = another_specimen(draw, specimen) if plan["kind"] == "swap" else []
             if moved is None:
                 continue
+            if hasattr(module, "unsure") and module.unsure(specimen, effects):
+                continue
             clean = specimen.readings(specimen.numbers, effects)
-        except RuntimeError:
+        except (RuntimeError, ValueError):  # too strong for the simulator
             continue
         break
     else:
         raise RuntimeError(f"{plan['name']}: no specimen shows {plan['families']} with the wanted strength")
     description = specimen.description
-    files = {"experiment.json": json.dumps(experiment_of(description), indent=1) + "\n"}
+    files = {"experiment.json": json.dumps(described(module, description), indent=1) + "\n"}
     squares, rows = [0.0] * len(specimen.noise), [0] * len(specimen.noise)
     for i, run in enumerate(description.runs):
         columns = []
         for c, column in enumerate(clean[i]):
-            noisy = specimen.noisy(draw, column, c)
-            squares[c] += sum((a - b - specimen.zero[c])**2 for a, b in zip(noisy, column))
+            noisy, zero = specimen.noisy(draw, column, c), specimen.zero[c]
+            if hasattr(module, "zeroed"):
+                noisy, zero = module.zeroed(run.times, noisy), 0.0
+            squares[c] += sum((a - b - zero)**2 for a, b in zip(noisy, column))
             rows[c] += len(noisy)
             columns.append(noisy)
         files[f"run_{i + 1}.csv"] = csv_of(run, description, columns)

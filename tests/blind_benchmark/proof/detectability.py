@@ -52,14 +52,16 @@ class Baseline:
         clipped = np.clip(rest, -LARGEST_DEVIATION, LARGEST_DEVIATION)
         return math.sqrt(clipped @ clipped + x @ x)
 
-    def sigma_left(self, wanted, without=(), imitation=None):
+    def sigma_left(self, wanted, without=(), imitation=None, start=0.0):
         """The same of readings that differ by more than the derivatives reach, such as another frequency: what is left
         of them after the numbers, but for these, have absorbed what they can (Gauss and Newton). imitation(amplitude):
-        an effect that absorbs too, at any amplitude."""
+        an effect that absorbs too, at any amplitude; the search begins at `start`."""
         used = [i for i, key in enumerate(self.keys) if key is None or key not in without]
         columns = self.columns[:, used]
         if imitation:
-            columns = np.column_stack([columns, FREE * (self.simulate(self.numbers, [imitation(SMALL)]) - self.readings) / SMALL])
+            there = self.simulate(self.numbers, [imitation(start)]) if start else self.readings
+            change = self.simulate(self.numbers, [imitation(start + SMALL)]) - there
+            columns = np.column_stack([columns, FREE * change / SMALL])
 
         def left(x):
             numbers, linear = dict(self.numbers), np.zeros_like(self.readings)
@@ -72,6 +74,8 @@ class Baseline:
             return wanted - linear - self.simulate(numbers, effects)
 
         x = np.zeros(columns.shape[1])
+        if imitation:
+            x[-1] = start / FREE
         rest = left(x)
         cost = rest @ rest
         for _ in range(20):

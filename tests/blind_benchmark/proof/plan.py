@@ -3,7 +3,7 @@ import hashlib
 import os
 import subprocess
 
-from conceal import draw_of, setup
+from conceal import draw_of, pairs, setup
 
 SET = "proof_1"
 SET_UPS = ("pendulum", "mass_on_spring", "torsional_pendulum", "sled", "cantilever_vibration", "cantilever_weights",
@@ -44,8 +44,10 @@ def cases_of(set_up, seed):
     limit = [names[(i + 6) % len(names)] for i in range(2)]
     cases = [("control", "", [])] * 3 + [("swap", "", []), ("below", "below", [draw.choice(names)])]
     cases += [("single", "strong", [n]) for n in singles] + [("limit", "limit", [n]) for n in limit]
-    cases += [("pair", "strong", list(module.PAIR))]
-    cases += [("outside", "strong", [module.OUTSIDE[i % len(module.OUTSIDE)].name]) for i in range(2)]
+    cases += [("pair", "strong", draw.choice(pairs(module)))]
+    outside = [f.name for f in module.OUTSIDE]
+    draw.shuffle(outside)
+    cases += [("outside", "strong", [outside[i % len(outside)]]) for i in range(2)]
     return cases
 
 

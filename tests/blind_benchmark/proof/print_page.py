@@ -8,6 +8,7 @@ import argparse
 import collections
 import csv
 import pathlib
+import statistics
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -33,9 +34,15 @@ def share(hits, n):
 
 
 def answered(row):
+    """What a verdict says: both effects where it names two."""
     if row["verdict"] == "identified":
-        return row["first"]
+        return " and ".join([row["first"], *filter(None, row["joint"].split("|"))])
     return row["verdict"]
+
+
+def hidden(row):
+    words = {"swap": "another specimen", "control": "nothing"}.get(row["kind"]) or row["hidden"].replace("|", " and ")
+    return words + {"below": ", below one sigma", "limit": ", near the limit"}.get(row["kind"], "")
 
 
 def claims(rows):
@@ -49,7 +56,12 @@ def kinds(rows):
     for kind, words in KINDS:
         of = [r for r in rows if r["kind"] == kind]
         lines.append((words, share(sum(int(r["right"]) for r in of), len(of)), sum(int(r["apart"]) for r in of)))
-    return table(("hidden", "right", "counted apart"), lines)
+    moved = [r for r in rows if r["kind"] == "swap"]
+    named = sum(bool(set(r["moved"].split("|")) & set(r["wrong_numbers"].split("|"))) for r in moved)
+    replaced = sum(r["instead_of"] != "" for r in rows)
+    return table(("hidden", "right", "counted apart"), lines) + \
+        f"\nOf {len(moved)} cases with another specimen, {named} name a number that was moved." \
+        f" In {replaced} cases the planned effect was replaced, because no specimen showed it as strongly as planned.\n"
 
 
 def set_ups(rows):
@@ -57,67 +69,68 @@ def set_ups(rows):
     for name in dict.fromkeys(r["set_up"] for r in sorted(rows, key=lambda r: r["set_up"])):
         of = [r for r in rows if r["set_up"] == name]
         single, quiet = [r for r in of if r["kind"] == "single"], [r for r in of if r["kind"] in ("control", "below")]
-        seconds = sorted(float(r["cpu_s"]) for r in of)
+        seconds = [float(r["cpu_s"]) for r in of]
         lines.append((f"`{name}`", of[0]["simulator"], f"{sum(int(r['right']) for r in single)} of {len(single)}",
                       f"{sum(int(r['alarm']) for r in quiet)} of {len(quiet)}",
-                      f"{seconds[len(seconds) // 2] / 60:.1f}", f"{seconds[-1] / 60:.1f}"))
+                      f"{statistics.median(seconds) / 60:.1f}", f"{max(seconds) / 60:.1f}"))
     return table(("set-up", "recorded by", "strong singles right", "alarms", "CPU min, median", "most"), lines)
 
 
 def confusion(rows):
-    count = collections.Counter((r["hidden"] or ("nothing" if r["kind"] != "swap" else "another specimen"),
-                                 answered(r)) for r in rows)
+    count = collections.Counter((hidden(r), answered(r)) for r in rows)
     lines = []
-    for hidden in sorted({h for h, _ in count}):
-        said = sorted(((n, a) for (h, a), n in count.items() if h == hidden), reverse=True)
-        lines.append((hidden.replace("|", " and "), ", ".join(f"{a} {n}" for n, a in said)))
+    for what in sorted({h for h, _ in count}):
+        said = sorted(((n, a) for (h, a), n in count.items() if h == what), reverse=True)
+        lines.append((what, ", ".join(f"{a} {n}" for n, a in said)))
     return table(("hidden", "said, how often"), lines)
 
 
 def reliability(rows):
-    """Probability of the first label against how often its group holds the truth, single effects."""
+    """Probability of the first label's group against how often it holds the truth, single effects."""
     lines = []
-    chosen = [r for r in rows if r["kind"] in ("single", "limit") and r["p_first"] != "" and r["first"]]
+    chosen = [r for r in rows if r["kind"] in ("single", "limit") and r["p_group"] != "" and r["first"]]
     for low, high in BINS:
-        of = [r for r in chosen if low <= float(r["p_first"]) < high]
+        of = [r for r in chosen if low <= float(r["p_group"]) < high]
         if of:
             true = sum(r["hidden"] in r["group"].split("|") for r in of)
-            mean = sum(float(r["p_first"]) for r in of) / len(of)
+            mean = sum(float(r["p_group"]) for r in of) / len(of)
             lines.append((f"{low:.2f} to {min(high, 1.0):.2f}", f"{mean:.2f}", share(true, len(of))))
     return table(("probability stated", "mean", "true"), lines)
 
 
 def rival_lines(rows):
+    """(rule, strong singles right, alarms of controls, names given to another specimen), and the sizes of the three."""
     common = rivals.commonest_labels(rows)
     rules = {"the tool": None, "least training error": "training_rule", "BIC": "bic_rule",
              "held-out error": "heldout_rule", "commonest label": "common"}
-    singles, quiet = [r for r in rows if r["kind"] == "single"], [r for r in rows if r["kind"] in
-                                                                 ("control", "below", "swap")]
+    singles, quiet, swaps = ([r for r in rows if r["kind"] in kinds] for kinds in
+                             (("single",), ("control", "below"), ("swap",)))
     lines = []
     for words, rule in rules.items():
         def said(r):
             return common.get(r["set_up"], rivals.NOTHING) if rule == "common" else r[rule]
         if rule is None:
-            hits, alarms = sum(int(r["right"]) for r in singles), sum(int(r["alarm"]) for r in quiet)
-        else:  # the group of the tool serves the rules too
-            hits = sum(said(r) == r["hidden"] or
-                       (said(r) in r["group"].split("|") and r["hidden"] in r["group"].split("|")) for r in singles)
-            alarms = sum(said(r) != rivals.NOTHING for r in quiet)
-        lines.append((words, hits, alarms))
-    return lines, len(singles), len(quiet)
+            lines.append((words, sum(int(r["right"]) for r in singles), sum(int(r["alarm"]) for r in quiet),
+                          sum(int(r["alarm"]) for r in swaps)))
+            continue
+        hits = sum(said(r) == r["hidden"] or  # the group of the tool serves the rules too
+                   (said(r) in r["group"].split("|") and r["hidden"] in r["group"].split("|")) for r in singles)
+        lines.append((words, hits, *(sum(said(r) != rivals.NOTHING for r in of) for of in (quiet, swaps))))
+    return lines, len(singles), len(quiet), len(swaps)
 
 
 def rival_table(rows):
-    lines, singles, quiet = rival_lines(rows)
-    text = table(("rule", f"strong singles right, of {singles}", f"alarms, of {quiet}"), lines)
+    lines, singles, quiet, swaps = rival_lines(rows)
+    text = table(("rule", f"strong singles right, of {singles}", f"alarms, of {quiet} controls",
+                  f"alarms, of {swaps} other specimens"), lines)
     own = lines[0]
-    for words, hits, alarms in lines[1:]:
+    for words, hits, alarms, _ in lines[1:]:  # the rules do not know that a number may be wrong
         if singles and hits >= own[1] and alarms <= own[2]:
             text += f"\nThe rule \"{words}\" does as well as the tool.\n"
     process = [(float(r["process"]), float(r["heldout"] or r["baseline"]), float(r["baseline"])) for r in rows
                if r["kind"] == "single" and r["process"] != "" and r["baseline"] != ""]
     if process:
-        middle = [sorted(column)[len(process) // 2] for column in zip(*process)]
+        middle = [statistics.median(column) for column in zip(*process)]
         text += ("\n" + table(("held-out error / noise, median", ""),
                               [("stated model, fitted", f"{middle[2]:.2f}"), ("Gaussian process", f"{middle[0]:.2f}"),
                                ("the tool", f"{middle[1]:.2f}")]))

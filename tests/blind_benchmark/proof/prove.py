@@ -10,22 +10,26 @@ import hashlib
 import json
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import tarfile
 import tempfile
 import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import conceal  # noqa: E402
+import distance  # noqa: E402
 import plan as plans  # noqa: E402
 import print_page  # noqa: E402
 import rivals  # noqa: E402
 import scoring  # noqa: E402
 
-PATIENCE = 900  # s, elapsed; a diagnosis that takes longer is a time-out
+CPU_LIMIT = 900  # s of the processor; a diagnosis that takes longer is a time-out
+PATIENCE = 4 * CPU_LIMIT  # s, elapsed: it waits for something that does not come
 
 
 class Refused(Exception):
@@ -102,18 +106,36 @@ def hashes(folder, cases):
     return "".join(f"{sha256(p)}  {p.relative_to(folder)}\n" for p in sorted(files))
 
 
+def lines_of(text):
+    """{file: hash} of lines of sha256sum."""
+    return {name: value for value, name in (line.split("  ", 1) for line in text.splitlines())}
+
+
+def hashed(folder, cases):
+    """Writes what is recorded into the hashes of the state. Refuses if something changed since it was written."""
+    file, now = folder / "hashes.sha256", lines_of(hashes(folder, cases))
+    before = lines_of(file.read_text()) if file.exists() else {}
+    changed = [name for name, value in now.items() if before.get(name, value) != value]
+    if changed:
+        raise Refused(f"{folder / changed[0]} changed after it was hashed; begin again in another --state")
+    write(file, "".join(f"{value}  {name}\n" for name, value in sorted((before | now).items())))
+
+
 def rows_of(experiment):
     described = json.loads(experiment.read_text())
     return sum(sum(1 for _ in open(experiment.parent / run["file"], encoding="utf-8")) - 1
                for run in described["runs"])
 
 
-def run_program(words, seconds):
-    """(exit code or 'time-out', CPU seconds, last line). Ctrl-C reaches the program too."""
+def run_program(words, seconds=CPU_LIMIT, patience=PATIENCE):
+    """(exit code or 'time-out', CPU seconds, last line). Ctrl-C reaches the program too.
+
+    What else runs on the machine does not decide about a time-out: the processor's seconds are limited."""
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         begun = subprocess.Popen(words, stdout=out, stderr=err)
+        resource.prlimit(begun.pid, resource.RLIMIT_CPU, (seconds, seconds))
         late = threading.Event()
-        timer = threading.Timer(seconds, lambda: (late.set(), os.kill(begun.pid, signal.SIGKILL)))
+        timer = threading.Timer(patience, lambda: (late.set(), os.kill(begun.pid, signal.SIGKILL)))
         timer.start()
         _, status, used = os.wait4(begun.pid, 0)  # of this program alone: others run beside it
         timer.cancel()
@@ -122,9 +144,10 @@ def run_program(words, seconds):
         for file in (out, err):  # errors come last
             file.seek(0)
             text = file.read().strip() or text
-    code = "time-out" if late.is_set() else begun.returncode
-    if late.is_set():
-        text = f"longer than {seconds} s"
+    over = late.is_set() or begun.returncode in (-signal.SIGXCPU, -signal.SIGKILL)
+    code = "time-out" if over else begun.returncode
+    if over:
+        text = f"longer than {seconds} CPU seconds"
     return code, used.ru_utime + used.ru_stime, text.splitlines()[-1] if text else ""
 
 
@@ -132,23 +155,24 @@ def process_error(program, case, to):
     """Held-out error of a Gaussian process on what the baseline leaves; None where it cannot be computed."""
     with_baseline = f"{to / 'diagnosis.json'}:nothing"
     code, _, why = run_program([program, "replay", str(case / "experiment.json"), "--with", with_baseline, "--out",
-                                str(to / "baseline"), "--quiet"], PATIENCE)
+                                str(to / "baseline"), "--quiet"])
     if code != 0:
         print(f"{case.name}: no Gaussian process: {why}", flush=True)
         return None
     names = [pathlib.Path(run["file"]).stem for run in json.loads((case / "experiment.json").read_text())["runs"]]
-    return rivals.process_error([to / "baseline" / f"{name}_replay.csv" for name in names])
+    try:
+        return rivals.process_error([to / "baseline" / f"{name}_replay.csv" for name in names])
+    except (OSError, ValueError) as why:  # a rival's failure is no reason to lose the case
+        print(f"{case.name}: no Gaussian process: {why}", flush=True)
+        return None
 
 
 def diagnose_one(folder, program, name):
     """Diagnoses a case by one thread; its CPU seconds, written with its diagnosis."""
     to, recordings = folder / "diagnoses" / name, folder / "cases" / name
     shutil.rmtree(to, ignore_errors=True)  # a cache of a stopped diagnosis would make it look cheap
-    # Left out of the catalogue is known before the diagnosis; it is no part of the answer that would help.
-    without = json.loads((folder / "answers" / f"{name}.json").read_text()).get("without", [])
-    words = [program, "diagnose", str(recordings / "experiment.json"), "--out", str(to), "--jobs", "1",
-             "--skip-next-experiment", "--quiet"]
-    code, cpu, message = run_program(words + [w for label in without for w in ("--without", label)], PATIENCE)
+    code, cpu, message = run_program([program, "diagnose", str(recordings / "experiment.json"), "--out", str(to),
+                                      "--jobs", "1", "--skip-next-experiment", "--quiet"])
     if code in (130, -signal.SIGINT):
         raise KeyboardInterrupt
     result = {"exit": "done" if code == 0 else f"refused ({code})" if code != "time-out" else code, "cpu_s": cpu,
@@ -189,8 +213,7 @@ def diagnose(folder, program, cases, jobs):
 
 def rows(folder, cases):
     """Opens the answers. Refuses if one changed since it was hashed."""
-    if hashes(folder, cases) != (folder / "hashes.sha256").read_text():
-        raise Refused(f"recordings or answers in {folder} changed after they were hashed; begin again")
+    hashed(folder, cases)
     return [scoring.score(json.loads((folder / "answers" / f"{c['name']}.json").read_text()),
                           json.loads((folder / "diagnoses" / c["name"] / "result.json").read_text())) for c in cases]
 
@@ -203,18 +226,56 @@ def write_results(file, own, scored):
         out.writerows(scored)
 
 
-def published(top, own, text):
+def proof_file(top, own, end):
+    return pathlib.Path(top, "docs/results/proof", own["set"] + end)
+
+
+def archive(folder, file):
+    """Recordings and answers in one file, the same bytes every time."""
+    with tarfile.open(file, "w:xz") as out:
+        for path in sorted(p for kind in ("cases", "answers") for p in (folder / kind).rglob("*") if p.is_file()):
+            member = tarfile.TarInfo(str(path.relative_to(folder)))
+            member.size = path.stat().st_size
+            with open(path, "rb") as content:
+                out.addfile(member, content)
+
+
+def unpack(folder, file):
+    """Recordings and answers of a published set, so that nobody has to make them again."""
+    with tarfile.open(file) as packed:
+        for member in packed:
+            path = pathlib.PurePosixPath(member.name)
+            if not member.isfile() or path.is_absolute() or ".." in path.parts:
+                raise Refused(f"{file}: {member.name} is no recording")
+            write(folder / path, packed.extractfile(member).read().decode())
+
+
+def published(top, own, folder):
     """Whether the hashes of the set are committed. Otherwise they are put where they are to be committed."""
-    file = pathlib.Path(top) / "docs/results/proof" / f"{own['set']}.sha256"
+    file, text = proof_file(top, own, ".sha256"), (folder / "hashes.sha256").read_text()
     if not file.exists():
+        archive(folder, proof_file(top, own, ".tar.xz"))
+        shutil.copy(folder / "distance.csv", proof_file(top, own, "_distance.csv"))
         write(file, text)
-        print(f"\nHashes of the set: {file}\nCommit this file, then run the same command again: the diagnoses begin "
-              "when the hashes are in git.")
+        print(f"\nHashes of the set: {file}\nCommit it with its recordings and distances beside it, then run the same "
+              "command again: the diagnoses begin when they are in git.")
         return False
     if file.read_text() != text:
         raise Refused(f"{file} holds other hashes: this set was published by another program; give the set another "
                       "name in tests/blind_benchmark/proof/plan.py")
     return True
+
+
+def near_enough(program, folder, jobs):
+    """Set-ups whose controls the tool's simulator meets with the true numbers (docs/results/claims.md)."""
+    file = folder / "distance.csv"
+    if not file.exists():
+        lines = distance.measure(program, plans.SET_UPS, folder / "distance", jobs=jobs)
+        distance.write_lines(lines, file)
+    far = distance.too_far(distance.read_lines(file))
+    if far:
+        print(f"not used, the simulators differ by more than {distance.LIMIT} noise standard deviations: {', '.join(far)}")
+    return [s for s in plans.SET_UPS if s not in far]
 
 
 def main(arguments=None):
@@ -230,16 +291,23 @@ def main(arguments=None):
     os.environ.setdefault("SYNTHETIC_CASES", str(pathlib.Path(o.top, "build/tests/synthetic_cases")))
     try:
         own = identity(o.top, program, plans.SET, o.seed)
+        official = own["seed"] == plans.seed_of(own["program"], own["set"])
+        if official and (o.seed is not None or o.first is not None):
+            raise Refused("the seed that follows from the program is kept for the whole set, or its cases would be seen "
+                          "before their hashes are published; " + ("leave --seed out" if o.first is None else
+                                                                   "give --first a --seed of your own"))
         folder = pathlib.Path(o.state or pathlib.Path(o.top, "out/prove", f"{own['set']}_{own['seed']}")).absolute()
-        whole = plans.plan(own["seed"])
+        open_state(folder, own)
+        whole = plans.plan(own["seed"], near_enough(program, folder, o.jobs))
         if o.first is not None and not 1 <= o.first <= len(whole):
             raise Refused(f"--first {o.first}: the set has {len(whole)} cases; give 1 to {len(whole)}")
         cases = whole[:o.first]
-        open_state(folder, own)
         print(f"{len(cases)} of {len(whole)} cases of {own['set']}, seed {own['seed']}; state: {folder}", flush=True)
+        if official and proof_file(o.top, own, ".tar.xz").exists() and not (folder / "answers").exists():
+            unpack(folder, proof_file(o.top, own, ".tar.xz"))
         make(folder, cases, own["seed"], o.jobs)
-        write(folder / "hashes.sha256", hashes(folder, cases))
-        if o.seed is None and o.first is None and not published(o.top, own, hashes(folder, cases)):
+        hashed(folder, cases)
+        if official and not published(o.top, own, folder):
             return 0
         diagnose(folder, program, cases, o.jobs)
         scored = rows(folder, cases)
@@ -249,7 +317,7 @@ def main(arguments=None):
     except Refused as why:
         print(f"prove.sh: {why}", file=sys.stderr)
         return 2
-    except (RuntimeError, OSError) as why:
+    except (RuntimeError, OSError, KeyError, TypeError, ValueError) as why:
         print(f"prove.sh: {why}; what is done is kept, the same command continues", file=sys.stderr)
         return 3
     except KeyboardInterrupt:

@@ -9,8 +9,9 @@ ALARM = 0.05          # misfit_p_value
 CERTAIN = 0.9         # a false first label above this probability refutes a claim
 CPU_MEDIAN, CPU_MOST = 180.0, 600.0   # s
 CLAIMING = ("identified", "ambiguous", "outside_catalogue")
-COLUMNS = ("case", "set_up", "simulator", "kind", "hidden", "sigma", "verdict", "first", "group", "joint", "p_first",
-           "p_value", "right", "apart", "alarm", "false_certain", "heldout", "baseline", "process", "intervals", "held",
+VERDICTS = (*CLAIMING, "adequate", "inconclusive")
+COLUMNS = ("case", "set_up", "simulator", "kind", "hidden", "instead_of", "attempt", "sigma", "moved", "verdict", "first",
+           "group", "joint", "p_first", "p_group", "wrong_numbers", "p_value", "right", "apart", "alarm", "false_certain", "heldout", "baseline", "process", "intervals", "held",
            "cpu_s", "training_rule", "bic_rule", "heldout_rule", "statement")
 WRONG_NUMBER = "A stated number is wrong"  # begins the statement
 
@@ -56,12 +57,19 @@ def right_and_apart(kind, truth, row, statement):
     return verdict == "identified" and hit, verdict == "ambiguous" and hit
 
 
+def wrong_numbers(diagnosis):
+    """The stated number that is wrong with the largest probability, and those that go with it or cannot be told from it."""
+    most = max(diagnosis.get("wrong_numbers", []), key=lambda n: n["probability"], default=None)
+    return [] if most is None else sorted({most["name"], *most["joint_with"], *most["confounded_with"]})
+
+
 def score(answer, result):
     """A row of results.csv. result: of the driver, {"exit", "cpu_s", "diagnosis"}; without a diagnosis it is wrong."""
     truth, kind = labels_of(answer), answer["kind"]
     row = dict.fromkeys(COLUMNS, "")
     row.update(case=answer["name"], set_up=answer["set_up"], simulator=answer["simulator"], kind=kind,
-               hidden="|".join(truth), sigma=round(answer["sigma"], 2), cpu_s=round(result["cpu_s"], 1),
+               hidden="|".join(truth), instead_of=answer.get("instead_of", ""), attempt=answer.get("attempt", 0),
+               moved="|".join(answer.get("moved", [])), sigma=round(answer["sigma"], 2), cpu_s=round(result["cpu_s"], 1),
                right=0, apart=0, alarm=int(kind in ("control", "below", "swap")), false_certain=0, intervals=0, held=0)
     diagnosis = result.get("diagnosis")
     if diagnosis is None:
@@ -69,15 +77,18 @@ def score(answer, result):
         return row
     effects, verdict = diagnosis["effects"], diagnosis["verdict"]
     first = effects[0] if effects else {"label": "", "confounded_with": [], "joint_with": [], "probability": 0.0}
-    row.update(verdict=verdict, first=first["label"], joint="|".join(first["joint_with"]),
-               group="|".join(first["confounded_with"] or [first["label"]]), p_first=round(first["probability"], 4),
-               p_value=diagnosis["misfit_p_value"], statement=diagnosis["statement"].split(". ")[0].replace("\n", " "))
+    group = first["confounded_with"] or [first["label"]]
+    p_group = max(first["probability"], sum(e["probability"] for e in effects if e["label"] in group))
+    p_value = diagnosis["misfit_p_value"]
+    row.update(verdict=verdict, first=first["label"], joint="|".join(first["joint_with"]), group="|".join(group),
+               p_first=round(first["probability"], 4), p_group=round(p_group, 4), p_value="" if p_value is None else p_value,
+               wrong_numbers="|".join(wrong_numbers(diagnosis)), statement=diagnosis["statement"].split(". ")[0].replace("\n", " "))
     if kind in ("control", "below"):
-        row["alarm"] = int(verdict in CLAIMING or diagnosis["misfit_p_value"] <= ALARM)
+        row["alarm"] = int(verdict in CLAIMING or p_value is None or p_value <= ALARM)
     elif kind == "swap":
         row["alarm"] = int(verdict in ("identified", "outside_catalogue"))
     present = [label for label in truth if not label.startswith("outside:")] if kind != "below" else []
-    row["false_certain"] = int(first["probability"] > CERTAIN and not set(present) & set(row["group"].split("|")))
+    row["false_certain"] = int(p_group > CERTAIN and not set(present) & set(group))
     right, apart = right_and_apart(kind, truth, row, diagnosis["statement"])
     row.update(right=int(right), apart=int(apart and not right))
     fit, noise = diagnosis["fit"], answer["noise_rms"][0]
@@ -173,7 +184,8 @@ def claims(rows):
                 "no case", "median at most 3, none above 10 CPU minutes",
                 None if not rows else statistics.median(seconds) <= CPU_MEDIAN and max(seconds) <= CPU_MOST))
     count("another specimen is never a physics", of("swap"), lambda r: flag(r, "right"), 8, "8 of 8", 8)
-    count("nothing below one sigma is named", of("below"), lambda r: r["verdict"] != "identified", 8, "8 of 8", 8)
+    count("nothing below one sigma is named", of("below"), 
+          lambda r: r["verdict"] in VERDICTS and r["verdict"] != "identified", 8, "8 of 8", 8)
     mean, expected, error = shuffled(rows)
     out.append(("the scorer gives nothing away", f"shuffled {mean:.3f}, frequencies {expected:.3f}",
                 "within 3 standard errors", None if not of("single") else abs(mean - expected) <= 3 * error + 1e-12))

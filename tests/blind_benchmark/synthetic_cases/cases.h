@@ -4,7 +4,6 @@
 #include "tests/blind_benchmark/synthetic_cases/effect_families.h"
 #include "tests/reference_simulator/description.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,13 +11,10 @@ namespace supercircle::blind_benchmark {
 
 struct CasePlan {
     std::string name, part; ///< "tuning", "blind" or "limit"
-    /// "nothing", "single", "pair", "removed" (from the catalogue), "outside" (never in it), or "swap": nothing hidden,
-    /// but the specimen is another one than described
-    std::string kind;
-    std::string strength; ///< "below" (one sigma), "limit", "weak", "strong"; without an effect "" or "snaps"
+    std::string kind;       ///< "nothing", "single", "pair", "removed" (from the catalogue) or "outside" (never in it)
+    std::string strength;   ///< "limit", "weak", "strong"; without an effect "" or "snaps"
     std::vector<std::string> families;
     std::uint64_t seed = 0;
-    std::optional<Protocol> protocol{}; ///< set-up; absent: drawn
 };
 
 inline bool isPart(const std::string& word) {

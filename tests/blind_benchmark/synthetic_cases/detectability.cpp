@@ -69,6 +69,16 @@ Resolution coarseResolution(std::size_t rods) {
     return r;
 }
 
+Resolution finer(double factor) {
+    Resolution r;
+    r.edges = static_cast<int>(std::lround(factor * r.edges));
+    r.travel /= factor;
+    r.longest /= factor;
+    r.contact.stiffness *= factor;
+    r.contact.tangential *= factor;
+    return r;
+}
+
 CleanReadings simulate(const Description& d, const Setup& truth, const Resolution& resolution) {
     CleanReadings out;
     for (const RunPlan& run : d.runs) {

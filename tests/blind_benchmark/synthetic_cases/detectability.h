@@ -22,6 +22,8 @@ struct CleanReadings {
 CleanReadings simulate(const Description& d, const Setup& truth, const Resolution& resolution);
 /// Resolution for the sizing of effects. Systems of two rods are expensive, and a size is needed to a tenth only.
 Resolution coarseResolution(std::size_t rods);
+/// Resolution of the recordings, refined by an even factor or by a half.
+Resolution finer(double factor);
 
 /// Intervals whose readings a fit should not follow, s: within one and a half readings of where the drive turns, starts
 /// or stops, and from 0.1 s before to 0.3 s behind a jump of the force. There clocks and decaying vibrations decide.

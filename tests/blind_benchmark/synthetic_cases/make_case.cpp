@@ -71,10 +71,9 @@ std::string addEffects(Random& draw, CaseTruth& s) {
     for (const std::string& name : s.plan.families) {
         const Family& f = family(name);
         const Make make = f.draw(draw, s.protocol);
-        const double wanted = s.plan.strength == "below"   ? draw.logarithmic(0.3, 0.8)
-                              : s.plan.strength == "limit" ? draw.logarithmic(4.5, 8.0)
-                              : s.plan.strength == "weak"  ? draw.logarithmic(6.0, 12.0)
-                                                           : draw.logarithmic(40.0, 150.0);
+        const double wanted = s.plan.strength == "limit"  ? draw.logarithmic(4.5, 8.0)
+                              : s.plan.strength == "weak" ? draw.logarithmic(6.0, 12.0)
+                                                          : draw.logarithmic(40.0, 150.0);
         s.hidden.push_back(make(amplitudeFor(model, f, make, wanted)));
     }
     if (s.hidden.empty())
@@ -199,9 +198,7 @@ CaseTruth drawTruth(Random& draw, const CasePlan& plan) {
     const bool snaps = plan.strength == "snaps";
     std::vector<Protocol> possible = {Protocol::Cylinder, Protocol::Strip,    Protocol::Arch,
                                       Protocol::Arch,     Protocol::Cylinder, Protocol::Shells};
-    if (plan.protocol)
-        possible = {*plan.protocol};
-    else if (snaps)
+    if (snaps)
         possible = {draw.chance(0.5) ? Protocol::Cylinder : Protocol::Strip};
     for (const std::string& name : plan.families) {
         const Family& f = family(name);
@@ -218,22 +215,8 @@ CaseTruth drawTruth(Random& draw, const CasePlan& plan) {
     weightless = weightless || (horizontal && s.protocol != Protocol::Arch);
     s.description = drawDescription(draw, s.protocol, weightless, markers, snaps);
     s.offsets = drawOffsets(draw);
-    if (plan.kind == "swap") // stiffness and friction of another specimen, three to six half-widths away
-        for (double Offsets::*const offset : {&Offsets::modulus, &Offsets::friction})
-            s.offsets.*offset = draw.sign() * draw.uniform(3.0, 6.0);
     s.noise = drawSensorNoise(draw, s.description);
     return s;
-}
-
-/// Resolution of the recordings, refined by an even factor or by a half.
-Resolution finer(double factor) {
-    Resolution r;
-    r.edges = static_cast<int>(std::lround(factor * r.edges));
-    r.travel /= factor;
-    r.longest /= factor;
-    r.contact.stiffness *= factor;
-    r.contact.tangential *= factor;
-    return r;
 }
 
 /// Distance of two sets of readings of a case, in noise standard deviations.

@@ -15,6 +15,7 @@ TOP = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(TOP / "tests/blind_benchmark/proof"))
 pytest.importorskip("scipy")
 import conceal  # noqa: E402
+import distance  # noqa: E402
 import plan as plans  # noqa: E402
 import print_page  # noqa: E402
 import prove  # noqa: E402
@@ -86,7 +87,9 @@ def call(top, *words):
 
 @pytest.fixture
 def made(monkeypatch):
-    """Cases are made at once."""
+    """Cases are made at once, and all set-ups are near enough."""
+    monkeypatch.setattr(prove, "near_enough", lambda program, folder, jobs: plans.SET_UPS)
+
     def make_case(case, seed):
         experiment = {"runs": [{"file": "run_1.csv"}]}
         return {"experiment.json": json.dumps(experiment), "run_1.csv": "time_s\n0\n1\n"}, \
@@ -124,11 +127,11 @@ def test_a_run_that_was_stopped_continues_and_scores_come_last(tmp_path, capsys,
     top, state = checkout(tmp_path), tmp_path / "state"
     done, original = [], prove.run_program
 
-    def stopped(words, seconds):
+    def stopped(words):
         done.append(words[2])
         if len(done) == 2:
             raise KeyboardInterrupt
-        return original(words, seconds)
+        return original(words)
     monkeypatch.setattr(prove, "run_program", stopped)
     assert call(top, "--first", "3", "--state", str(state), "--jobs", "1") == 130
     out = capsys.readouterr()
@@ -146,21 +149,54 @@ def test_a_run_that_was_stopped_continues_and_scores_come_last(tmp_path, capsys,
 
 def test_changed_answers_are_refused(tmp_path, capsys, made):
     top, state = checkout(tmp_path), tmp_path / "state"
-    own = prove.identity(top, str(tmp_path / "r" / "program"), plans.SET, 7)
     assert call(top, "--first", "1", "--state", str(state)) == 0
     (state / "answers" / "case_001.json").write_text("{}")
-    with pytest.raises(prove.Refused, match="changed after they were hashed"):
-        prove.rows(state, plans.plan(own["seed"])[:1])
+    assert call(top, "--first", "2", "--state", str(state)) == 2
+    assert "case_001.json changed after it was hashed" in capsys.readouterr().err
 
 
-def test_a_time_out_is_one(tmp_path):
-    assert prove.run_program(["sleep", "20"], 0.1)[0] == "time-out"
+def test_cases_of_the_published_seed_are_not_seen_before_their_hashes_are(tmp_path, capsys, made, monkeypatch):
+    top, diagnosed = checkout(tmp_path), []
+    (tmp_path / "r" / "docs/results/proof").mkdir()
+    own = plans.seed_of(plans.program_tree(top), plans.SET)
+    for words in (["--first", "127"], ["--seed", str(own)]):
+        assert prove.main(["--top", top, "--program", "program", *words]) == 2
+        assert "kept for the whole set" in capsys.readouterr().err
+    monkeypatch.setattr(prove, "run_program", lambda words: diagnosed.append(words[2]) or (3, 1.0, "refused"))
+
+    def whole(state):
+        (state / "distance.csv").parent.mkdir(parents=True, exist_ok=True)
+        return prove.main(["--top", top, "--program", "program", "--state", str(state)])
+    monkeypatch.setattr(prove, "near_enough", lambda program, folder, jobs:
+                        (folder / "distance.csv").write_text("set_up,hidden,rms\n") and plans.SET_UPS)
+    assert whole(tmp_path / "state") == 0 and not diagnosed
+    assert "Commit it" in capsys.readouterr().out
+    hashes = (tmp_path / "r" / "docs/results/proof/proof_1.sha256").read_text()
+    commit(tmp_path / "r", {})
+    # Elsewhere the published recordings are unpacked, not made again.
+    monkeypatch.setattr(conceal, "make_case", lambda case, seed: pytest.fail("made again"))
+    assert whole(tmp_path / "elsewhere") == 0 and len(diagnosed) == 128
+    assert (tmp_path / "elsewhere" / "hashes.sha256").read_text() == hashes
+    assert len(print_page.read(tmp_path / "elsewhere" / "results.csv")[1]) == 128
+
+
+def test_a_set_up_that_the_simulator_does_not_meet_is_left_out():
+    lines = [{"set_up": s, "hidden": "nothing", "rms": r} for s, all in (("a", (0.1, 0.2, 9.0)), ("b", (0.1, 0.6, 0.7)))
+             for r in all]
+    assert distance.too_far(lines) == ["b"]
+    assert {c["set_up"] for c in plans.plan(5, ["pendulum", "sled"])} == {"pendulum", "sled"}
+
+
+def test_a_time_out_is_one_of_the_processor():
+    spin = ["/usr/bin/python3", "-c", "while True: pass"]
+    assert prove.run_program(spin, seconds=1)[0] == "time-out"
+    assert prove.run_program(["sleep", "20"], patience=0.1)[0] == "time-out"
 
 
 def test_processor_time_is_that_of_the_program_alone():
     spin = ["/usr/bin/python3", "-c", "import time\nwhile time.process_time() < 1.0: pass\nprint('done')"]
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        for code, cpu, last in pool.map(lambda _: prove.run_program(spin, 60), range(2)):
+        for code, cpu, last in pool.map(lambda _: prove.run_program(spin), range(2)):
             assert code == 0 and last == "done" and 0.95 < cpu < 1.9  # start of Python included, the other one not
 
 
@@ -216,6 +252,23 @@ def test_certain_false_names_are_counted():
     assert scored("single", ["a"], diagnosis("identified", "b", 0.95, ["b", "a"]))["false_certain"] == 0
     assert scored("outside", ["outside:x"], diagnosis("ambiguous", "b", 0.95))["false_certain"] == 1
     assert scored("below", ["a"], diagnosis("ambiguous", "a", 0.95))["false_certain"] == 1
+    split = diagnosis("identified", "b", 0.5, ["b", "c"])  # a wrong group is as certain as all of it together
+    split["effects"].append({**split["effects"][0], "label": "c", "probability": 0.45})
+    row = scored("single", ["a"], split)
+    assert (row["p_group"], row["false_certain"]) == (0.95, 1)
+
+
+def test_a_number_that_is_missing_is_no_success():
+    assert scored("control", [], diagnosis("adequate", p_value=None))["alarm"] == 1
+    lost = scored("below", ["a"], None, exit="time-out")
+    assert [ok for claim, _, _, ok in scoring.claims([lost]) if "below" in claim] == [False]
+
+
+def test_another_specimen_is_named_by_the_number_that_moved():
+    d = diagnosis("inconclusive", statement="A stated number is wrong: length.")
+    d["wrong_numbers"] = [{"name": n, "probability": p, "joint_with": [], "confounded_with": []}
+                          for n, p in (("mass", 0.2), ("length", 0.7))]
+    assert scored("swap", [], d)["wrong_numbers"] == "length"
 
 
 def test_errors_and_intervals_are_in_units_of_the_noise_and_of_the_same_law():
@@ -438,6 +491,33 @@ def test_a_case_is_the_same_every_time_and_another_specimen_leaves_its_descripti
     assert swapped[1]["moved"] == ["frequency"] and 2.99 * stated["unc"] < away < 6.01 * stated["unc"]
 
 
+def test_no_two_cases_share_their_random_numbers():
+    drawn = [json.dumps([sorted(map(str, s.numbers.items())), s.noise])
+             for c in plans.plan(5) for s in [conceal.Specimen(conceal.setup(c["set_up"]), conceal.draw_of(5, c["name"], 0))]]
+    assert len(set(drawn)) == 128
+
+
+def test_another_specimen_is_one_that_can_exist(monkeypatch):
+    class Seen:
+        def __init__(self, *_):
+            pass
+
+        def sigma_left(self, *_):
+            return 100.0
+    monkeypatch.setattr(conceal, "Baseline", Seen)
+    monkeypatch.setattr(conceal.Specimen, "scaled", lambda *_: None)
+    monkeypatch.setattr(conceal.Specimen, "zeros", lambda *_: None)
+    for name in plans.SET_UPS:
+        for k in range(40):
+            draw = conceal.draw_of(k, name)
+            specimen = conceal.Specimen(conceal.setup(name), draw)
+            stated = specimen.description.stated
+            for moved in conceal.another_specimen(draw, specimen):
+                true = specimen.numbers[None, moved]
+                assert 2.99 < abs(true - stated[moved].value) / stated[moved].half < 6.01
+                assert true > 0.0 or stated[moved].value < stated[moved].half, (name, moved, true)
+
+
 def test_an_effect_that_no_specimen_shows_is_replaced_and_the_answer_says_so(monkeypatch):
     module = conceal.setup("mass_on_spring")
     shown = conceal.hidden_effects
@@ -448,9 +528,9 @@ def test_an_effect_that_no_specimen_shows_is_replaced_and_the_answer_says_so(mon
     _, answer = conceal.make_case(case, 3)
     assert answer["instead_of"] == "viscous_guide" and answer["families"] != ["viscous_guide"]
     assert answer["families"][0] in {f.name for f in module.FAMILIES} and answer["sigma"] >= 36.0
-    with pytest.raises(RuntimeError, match="case_001: no specimen shows"):  # a pair has no stand-in
-        monkeypatch.setattr(conceal, "hidden_effects", lambda *_: None)
-        conceal.make_case({**case, "kind": "pair", "families": list(module.PAIR)}, 3)
+    monkeypatch.setattr(conceal, "hidden_effects", lambda *_: None)
+    with pytest.raises(RuntimeError, match="case_001: no specimen shows"):
+        conceal.make_case({**case, "kind": "pair", "families": conceal.pairs(module)[0]}, 3)
 
 
 # ---------------------------------------------------------------- the history
@@ -481,7 +561,8 @@ def history_of(top, name):
 
 
 def published(top):
-    return sorted(pathlib.Path(f).stem for f in plans.git(top, "ls-files", "docs/results/proof/proof_*.csv").split())
+    stems = (pathlib.Path(f).stem for f in plans.git(top, "ls-files", "docs/results/proof/proof_*.csv").split())
+    return sorted(stem for stem in stems if not stem.endswith("_distance"))
 
 
 def test_hashes_of_published_sets_were_committed_before_their_results(capsys):

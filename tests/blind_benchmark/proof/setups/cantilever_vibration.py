@@ -92,5 +92,4 @@ FAMILIES = [
     Family("softening", "softening_over_time", _fall, 60.0),
     Family("delay", "sensor_delay", of("sensor_delay", "delay_s", 2e-3, "pure")),
 ]
-PAIR = ("kelvin_voigt", "softening")
 OUTSIDE = [Family("air", "", of("outside:air", "quadratic_N_s2_m2", 5e-3)), Family("bumper", "", _bumper)]

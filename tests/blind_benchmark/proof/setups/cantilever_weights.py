@@ -163,7 +163,6 @@ FAMILIES = [
     Family("gradient", "stiffness_gradient", _gradient, 16.0),
     Family("gain", "sensor_gain", of("sensor_gain", "error", 0.02, sign=True), 10.0),
 ]
-PAIR = ("plasticity", "gain")
 OUTSIDE = [
     Family("tilted_string", "", of("outside:tilted_string", "tilt_rad", 0.05, sign=True), 10.0),
     Family("soft_stop", "", of("outside:soft_stop", "stiffness_N_m", 1.0)),

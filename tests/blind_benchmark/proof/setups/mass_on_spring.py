@@ -45,7 +45,6 @@ FAMILIES = [
     Family("hardening_spring", "nonlinear_spring", of("nonlinear_spring", "cubic_1_m2", 5.0)),
     Family("softening_spring", "nonlinear_spring", of("nonlinear_spring", "cubic_1_m2", -5.0), 16.0),
 ]
-PAIR = ("dry_guide", "hardening_spring")
 OUTSIDE = [
     Family("loose_spring", "", of("outside:loose_spring", "play_m", 1e-4)),
     Family("tiring_spring", "", lambda draw: (lambda time: lambda a: Effect(

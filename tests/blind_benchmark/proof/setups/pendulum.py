@@ -60,7 +60,6 @@ FAMILIES = [
     Family("quadratic_drag", "air_drag", of("air_drag", "quadratic_N_s2_m3", 0.01, "quadratic")),
     Family("gain", "sensor_gain", of("sensor_gain", "error", 0.02, sign=True), 5.0),
 ]
-PAIR = ("dry_bearing", "quadratic_drag")
 OUTSIDE = [
     Family("eddy_brake", "", lambda draw: lambda a: Effect(
         "outside:eddy_brake", {"viscous_N_m_s": a * _torque(0.005), "width_rad": 0.15})),

@@ -127,5 +127,4 @@ FAMILIES = [
     Family("softening", "softening_over_time", _fall, 40.0),
     Family("delay", "sensor_delay", of("sensor_delay", "delay_s", 0.02, "pure")),
 ]
-PAIR = ("drift", "softening")
 OUTSIDE = [Family("core", "", _core), Family("thumps", "", _thumps)]

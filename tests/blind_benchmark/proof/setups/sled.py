@@ -97,5 +97,4 @@ FAMILIES = [
     Family("wear", "wear", _wear, 18.0),
     Family("drift", "sensor_drift", _drift),
 ]
-PAIR = ("static_friction", "drift")
 OUTSIDE = [Family("wavy_track", "", _wavy, 30.0), Family("thumps", "", _thumps)]

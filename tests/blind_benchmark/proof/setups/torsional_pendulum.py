@@ -43,7 +43,6 @@ FAMILIES = [
     Family("hardening_spring", "nonlinear_spring", of("nonlinear_spring", "cubic_1_rad2", 0.01, "turning")),
     Family("softening_spring", "nonlinear_spring", of("nonlinear_spring", "cubic_1_rad2", -0.01, "turning"), 16.0),
 ]
-PAIR = ("viscous_bearing", "hardening_spring")
 OUTSIDE = [
     Family("fan", "", of("outside:fan", "quadratic_N_m_s2", 2e-5)),
     Family("magnets", "", of("outside:magnets", "torque_N_m", 2e-4, sign=True)),

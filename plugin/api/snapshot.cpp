@@ -123,7 +123,9 @@ Status checkConsistency(const archive::State& s) {
     for (const SnapState& snap : s.detector.snaps)
         if (snap.bucket < 0 || snap.filled < 0 || snap.filled > SnapState::kBuckets)
             return refused("an energy history is malformed");
-    if (!std::isfinite(w.time) || !(s.detector.settings.snap_time > 0.0) || !(s.detector.settings.snap_energy > 0.0))
+    if (!(w.time >= 0.0) || std::isinf(w.time)) // buckets of energies are numbered from time 0
+        return refused("the time is negative or not finite");
+    if (!(s.detector.settings.snap_time > 0.0) || !(s.detector.settings.snap_energy > 0.0))
         return refused("a number is not finite or not positive");
     return {};
 }

@@ -150,6 +150,25 @@ TEST_CASE("damage with a valid checksum fails too, or is harmless", "[plugin]") 
     CHECK(accepted > 0); // many bits are just other numbers
 }
 
+TEST_CASE("a crafted state with a time before zero is refused", "[plugin]") {
+    Shells shells(nullptr);
+    REQUIRE(shells.create(ShellDef{}));
+    for (const double time : {-1e-300, -0.1, -1e6, kNan}) { // its bucket of energies would be a negative one
+        shells.world().time = time;
+        const auto crafted = Snapshot::from_bytes(shells.save().bytes());
+        INFO("at " << time << " s");
+        REQUIRE_FALSE(crafted);
+        CHECK(crafted.error().find("SCSTATE: the time") != std::string::npos);
+        CHECK_FALSE(Shells(nullptr).restore(shells.save()));
+    }
+    for (const double time : {-0.0, 0.0, 1e6}) {
+        shells.world().time = time;
+        Shells restored(nullptr);
+        REQUIRE(restored.restore(*Snapshot::from_bytes(shells.save().bytes())));
+        CHECK(restored.pre_step(1e-3).failure.empty());
+    }
+}
+
 TEST_CASE("handles after a restore: those of that time are valid, later ones are not", "[plugin]") {
     Shells shells(nullptr);
     ShellDef d;

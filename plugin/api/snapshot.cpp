@@ -71,6 +71,11 @@ Status checkConsistency(const archive::State& s) {
         for (std::size_t k = 0; k < i; ++k)
             if (w.rods[i].key == w.rods[k].key)
                 return refused("two shells have the same key");
+    // The next shell takes nextKey, below the limit of contact ids; there a key that is free.
+    constexpr std::uint32_t keyLimit = 1U << 20U;
+    if (w.nextKey == 0 || w.nextKey > keyLimit ||
+        std::any_of(w.rods.begin(), w.rods.end(), [&](const step::Rod& r) { return r.key == 0 || r.key >= w.nextKey; }))
+        return refused("the key of a shell, or of the next one, is 0 or out of order");
     for (const Slot& slot : s.slots)
         if (slot.key != 0 &&
             std::none_of(w.rods.begin(), w.rods.end(), [&](const step::Rod& r) { return r.key == slot.key; }))

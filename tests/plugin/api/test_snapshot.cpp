@@ -169,6 +169,27 @@ TEST_CASE("a crafted state with a time before zero is refused", "[plugin]") {
     }
 }
 
+TEST_CASE("a crafted state whose next shell would take a key that is in use, or 0, is refused", "[plugin]") {
+    Shells shells(nullptr);
+    REQUIRE(shells.create(ShellDef{}));
+    REQUIRE(shells.create(ShellDef{}));
+    for (const std::uint32_t key : {0U, 1U, 2U, 0xffffffffU}) {
+        shells.world().nextKey = key;
+        const auto crafted = Snapshot::from_bytes(shells.save().bytes());
+        INFO("next key " << key);
+        REQUIRE_FALSE(crafted);
+        CHECK(crafted.error().find("SCSTATE: the key of") != std::string::npos);
+    }
+    for (const std::uint32_t key : {3U, 1U << 20U}) { // the last: all keys were used, those that are free come again
+        shells.world().nextKey = key;
+        Shells restored(nullptr);
+        REQUIRE(restored.restore(*Snapshot::from_bytes(shells.save().bytes())));
+        CHECK(restored.create(ShellDef{}));
+    }
+    shells.world().rods[0].key = 0;
+    CHECK_FALSE(Snapshot::from_bytes(shells.save().bytes()));
+}
+
 TEST_CASE("handles after a restore: those of that time are valid, later ones are not", "[plugin]") {
     Shells shells(nullptr);
     ShellDef d;

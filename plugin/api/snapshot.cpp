@@ -4,10 +4,12 @@
 // bodies are in step::Body, not in the port.
 
 #include "plugin/api/snapshot_fields.h"
+#include "supercircle/contact/feature_id.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace supercircle {
 
@@ -63,6 +65,55 @@ namespace {
 constexpr archive::FileKind kStateKind{"SCSTATE ", 13};
 constexpr archive::FileKind kLogKind{"SCCALLS ", 3};
 
+/// Joints, what the host's joints do, and the numbers that the next part and the next sleeping island get.
+Status checkParts(const step::World& w) {
+    const auto outside = [&](std::uint32_t key, double at) {
+        const int i = step::rodIndex(w, key);
+        return i < 0 || !(at >= 0.0 && at <= w.rods[static_cast<std::size_t>(i)].model.definition().length);
+    };
+    std::uint32_t lastPart = 0, lastIsland = 0;
+    for (const step::Link& l : w.links) {
+        if (l.kind > step::LinkKind::Tether || l.end > step::LinkEnd::Rod)
+            return refused("a joint is of an unknown kind");
+        if (outside(l.rodA, l.sA) || (l.end == step::LinkEnd::Rod && outside(l.rodB, l.sB)))
+            return refused("a joint lies outside its shell");
+        lastPart = std::max(lastPart, l.key);
+    }
+    for (const step::Rod& r : w.rods) {
+        const auto count = [&](const auto& list) {
+            for (const auto& part : list)
+                lastPart = std::max(lastPart, part.key);
+        };
+        count(r.holds), count(r.forces), count(r.mouseJoints);
+        lastIsland = std::max(lastIsland, r.island);
+    }
+    for (const step::Body& b : w.bodies)
+        lastIsland = std::max(lastIsland, b.island);
+    if (w.nextPart <= lastPart)
+        return refused("the next hold, force or joint would get a key that is in use");
+    if (w.nextIsland <= lastIsland)
+        return refused("the next sleeping island would get a number that is in use");
+    for (const step::HostRow& r : w.constraints.rows)
+        if (r.kind > step::HostRowKind::Limit || r.saturated < -1 || r.saturated > 1)
+            return refused("a constraint of the host is malformed");
+    return {};
+}
+
+/// Counts that grow must not come to the end of their range; limits that loops count to must be some.
+Status checkCounts(const step::World& w, const step::Settings& s) {
+    constexpr int most = 1 << 20;
+    for (const step::Rod& r : w.rods)
+        if (r.cuts < 0 || r.cuts > most)
+            return refused("a shell's number of cuts is out of range");
+    constexpr std::uint64_t mostSteps = std::uint64_t{1} << 62U;
+    if (w.counters.steps > mostSteps || w.counters.unconverged > mostSteps)
+        return refused("its number of steps is out of range");
+    const coulomb::SolverOptions& c = s.contact;
+    if (s.maxIterations < 1 || c.method > coulomb::Method::None || c.maxPivots < 0 || c.maxPivots > most)
+        return refused("its settings of the contact solver are out of range");
+    return {};
+}
+
 /// Checks the consistency of a state whose fields could all be read.
 Status checkConsistency(const archive::State& s) {
     const step::World& w = s.world;
@@ -80,6 +131,16 @@ Status checkConsistency(const archive::State& s) {
         if (slot.key != 0 &&
             std::none_of(w.rods.begin(), w.rods.end(), [&](const step::Rod& r) { return r.key == slot.key; }))
             return refused("a handle refers to no shell");
+    std::vector<std::uint32_t> handled;
+    for (const Slot& slot : s.slots) {
+        if (slot.key != 0)
+            handled.push_back(slot.key);
+        if (slot.generation == std::numeric_limits<std::uint32_t>::max())
+            return refused("a handle was given out too often");
+    }
+    std::sort(handled.begin(), handled.end());
+    if (!invariants::strictlyRising(handled))
+        return refused("two handles refer to one shell");
     for (std::size_t i = 1; i < w.bodies.size(); ++i)
         if (w.bodies[i - 1].id >= w.bodies[i].id)
             return refused("bodies are out of order");
@@ -95,15 +156,22 @@ Status checkConsistency(const archive::State& s) {
         if (!seams.empty() && seams.size() != o.local.points.size())
             return refused("the seams of an outline do not fit its points");
     }
+    if (!std::is_sorted(w.outlines.begin(), w.outlines.end(), step::before))
+        return refused("outlines are out of order");
     for (const contact::Candidate& c : w.candidates) {
         const auto outside = [&](const contact::RodPoint& p) {
-            return p.rod < 0 || p.rod >= rods || p.element < 0 ||
-                   p.element >= w.rods[static_cast<std::size_t>(p.rod)].model.elements();
+            if (p.rod < 0 || p.rod >= rods)
+                return true;
+            const rod::RodModel& model = w.rods[static_cast<std::size_t>(p.rod)].model;
+            const double length = model.definition().length; // a place is found from it by a cast to an integer
+            return p.element < 0 || p.element >= model.elements() || !(std::abs(p.s) <= 2.0 * length);
         };
         const bool rigid = c.b.rod < 0;
         if (outside(c.a) || (!rigid && outside(c.b)) ||
             (rigid && (c.outline < 0 || c.outline >= static_cast<std::int64_t>(w.outlines.size()))))
             return refused("a contact refers to a missing shell or body");
+        if (contact::betweenRods(c.id) == rigid || (!rigid && c.outline >= 0))
+            return refused("a contact of two shells is one with a body, or the reverse");
     }
     if (!w.range.empty() && w.range.size() != w.rods.size())
         return refused("contact ranges do not fit the shells");
@@ -128,6 +196,10 @@ Status checkConsistency(const archive::State& s) {
     for (const SnapState& snap : s.detector.snaps)
         if (snap.bucket < 0 || snap.filled < 0 || snap.filled > SnapState::kBuckets)
             return refused("an energy history is malformed");
+    if (Status parts = checkParts(w); !parts)
+        return parts;
+    if (Status counts = checkCounts(w, s.settings); !counts)
+        return counts;
     if (!(w.time >= 0.0) || std::isinf(w.time)) // buckets of energies are numbered from time 0
         return refused("the time is negative or not finite");
     if (!(s.detector.settings.snap_time > 0.0) || !(s.detector.settings.snap_energy > 0.0))

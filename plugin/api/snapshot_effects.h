@@ -6,6 +6,7 @@
 #include "supercircle/effects/rod_effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supercircle::archive {
 
@@ -117,8 +118,16 @@ template <class Ar>
 void io(Ar& ar, Is<effects::Setting> auto& s) {
     auto& [key, shell, values, channel] = s;
     ar(key, shell, values, channel);
-    demand(ar, key < effects::Key::Count &&
-                   values.size() == effects::catalog()[static_cast<std::size_t>(key)].parameters.size());
+    const bool known = key < effects::Key::Count;
+    demand(ar, known);
+    if constexpr (Ar::kLoads)
+        if (known) { // a choice is an index once the setting acts
+            const std::vector<effects::Parameter>& all = effects::catalog()[static_cast<std::size_t>(key)].parameters;
+            demand(ar, std::equal(values.begin(), values.end(), all.begin(), all.end(),
+                                  [](double v, const effects::Parameter& p) {
+                                      return within(v, p.min, p.max) && (p.choices.empty() || v == std::floor(v));
+                                  }));
+        }
 }
 
 /// `made`: the newly created effect of the rod; saved lists must be as long as its lists.

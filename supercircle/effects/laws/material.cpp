@@ -48,8 +48,9 @@ YieldResult yieldStep(const MaterialModel& m, double stiffness, double u, double
     const double s = stiffness * evaluate(m.elastic, u - plastic).value - back * plastic > 0.0 ? 1.0 : -1.0;
     if (excess(s, 0.0) <= 0.0)
         return out;
-    // Decreases strictly with d and is negative when the elastic part vanishes.
-    double low = 0.0, high = std::abs(u - plastic) + 1e-9;
+    // Decreases strictly with d and is negative when neither the elastic part nor the back stress points along the
+    // flow: in a reversal the back stress drives it on after the elastic part has vanished.
+    double low = 0.0, high = std::max(std::abs(u - plastic), back > 0.0 ? -s * plastic : 0.0) + 1e-9;
     double d = excess(s, 0.0) / (stiffness + m.hardening); // exact for a linear elastic law
     for (int i = 0; i < 80; ++i) {
         const double value = excess(s, d);

@@ -317,6 +317,50 @@ TEST_CASE("yield follows the bilinear curve, and unloading is elastic") {
     CHECK(material.plastic[0] == Approx(62.0 - top).epsilon(1e-9));
 }
 
+TEST_CASE("what yields ends on the yield surface, for every elastic law and both kinds of hardening") {
+    constexpr double kYield = 22.0, kHardening = 0.35;
+    const rod::RodModel rod = shell(1);
+    const double B = rod.definition().bendingModulus;
+    for (const bool kinematic : {false, true})
+        for (const ElasticModel& elastic : {ElasticModel{}, ElasticModel{ElasticModel::Law::Softening, 40.0, 3.0},
+                                            ElasticModel{ElasticModel::Law::Stiffening, 60.0, 3.0},
+                                            ElasticModel{ElasticModel::Law::RambergOsgood, 40.0, 5.0}})
+            for (const double plastic : {-300.0, -200.0, -20.0, 0.0, 90.0, 200.0, 300.0})
+                for (int step = -16; step <= 16; ++step) { // 200 after 200 is a reversal through zero elastic strain
+                    const double u = 25.0 * step;
+                    Material material = makeMaterial(
+                        rod, modelOf({"plasticity:My_over_B_1_m=22", "plasticity:H_over_B=0.35"}).material);
+                    material.model.elastic = elastic;
+                    material.model.kinematic = kinematic;
+                    material.plastic[0] = plastic;
+                    material.hardened[0] = std::abs(plastic);
+                    const MaterialResponse r = springResponse(rod, material, 0, 52.0 + u, 0.0);
+                    INFO((kinematic ? "kinematic" : "isotropic")
+                         << ", law " << static_cast<int>(elastic.law) << ", " << u << " after " << plastic);
+                    const double s = r.plastic < plastic ? -1.0 : 1.0;
+                    const auto excess = [&](double d) {
+                        const double strain = u - plastic - s * d;
+                        return s * evaluate(elastic, strain).value -
+                               kHardening * (kinematic ? s * plastic + d : std::abs(plastic) + d) - kYield;
+                    };
+                    if (r.plastic == plastic) { // neither side yields
+                        const double stress =
+                            evaluate(elastic, u - plastic).value - (kinematic ? kHardening * plastic : 0.0);
+                        CHECK(std::abs(stress) <= kYield + (kinematic ? 0.0 : kHardening * std::abs(plastic)) + 1e-9);
+                        continue;
+                    }
+                    double low = 0.0, high = 1.0;
+                    while (excess(high) > 0.0)
+                        high *= 2.0;
+                    for (int i = 0; i < 100; ++i)
+                        (excess(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+                    CHECK(s * (r.plastic - plastic) == Approx(low).margin(1e-8));
+                    CHECK(r.hardened - std::abs(plastic) == Approx(low).margin(1e-8));
+                    CHECK(std::abs(excess(s * (r.plastic - plastic))) <= 1e-10 * kYield);
+                    CHECK(r.moment / B == Approx(evaluate(elastic, u - r.plastic).value).epsilon(1e-12));
+                }
+}
+
 TEST_CASE("adhesion: force is the derivative of its energy, slope of its force") {
     for (const AdhesionModel::Law law : {AdhesionModel::Law::Hump, AdhesionModel::Law::Decaying}) {
         const AdhesionModel m{law, 36.0, 1.2e-4, 0.0};

@@ -106,7 +106,6 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
         return repaired;
     if (clock)
         repairCounter(part, run.remarks);
-    const std::vector<double> velocity = takeVelocity(part, run.remarks);
     if (measures(part, Quantity::Angle) && !measures(part, Quantity::Force)) {
         dropDifferences(part, run.remarks);
         if (hints.fromTurningPoint > 0)
@@ -115,6 +114,7 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
         if (part.rows() < 10)
             return Status::failure("1:1: fewer than ten rows are left of a run");
     }
+    const std::vector<double> velocity = takeVelocity(part, run.remarks); // behind all that takes rows away
     if (Status oriented = orient(part, hints, run.remarks); !oriented)
         return oriented;
     run.markers = select(part, true);

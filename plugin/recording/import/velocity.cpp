@@ -1,5 +1,7 @@
 #include "plugin/recording/import/velocity.h"
 
+#include "supercircle/support/failure.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +14,7 @@ using Kind = Remark::Kind;
 /// Sum of the ways between rows, m; missing velocities are those of the row before.
 template <class Way>
 std::vector<double> integrated(const std::vector<double>& time, const std::vector<double>& v, const Way& way) {
+    SC_ASSERT(time.size() == v.size(), "velocities and times differ in number");
     std::vector<double> sum{0.0};
     double last = 0.0;
     for (std::size_t i = 0; i < v.size(); ++i) {

@@ -10,7 +10,8 @@ namespace supercircle::importing {
 /// @return velocities, m/s, one a row; empty: there are none, or they became the displacement
 std::vector<double> takeVelocity(Signals& signals, std::vector<Remark>& remarks);
 
-/// Compares the way of the velocities with that of the drive; a factor of two between them is doubtful.
+/// Compares the way of the velocities, one a row of the run, with that of the drive; a factor of two between them is
+/// doubtful.
 void compareVelocity(ImportedRun& run, const std::vector<double>& velocity);
 
 } // namespace supercircle::importing

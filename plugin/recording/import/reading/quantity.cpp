@@ -10,11 +10,15 @@ namespace supercircle::importing {
 
 namespace {
 
+/// Which letters of a unit may be capitals: any; any beside words that name the quantity ("force (n)", but n alone
+/// counts, and mS is no time); or those that are written (mN is not MN, nm is not Nm).
+enum class Case : std::uint8_t { Any, Named, Exact };
+
 struct Known {
     const char* written;
     Quantity measures;
     double factor;
-    bool exactCase = false; ///< mN is not MN
+    Case letters = Case::Any;
 };
 
 constexpr double kPound = 4.4482216152605, kKilopond = 9.80665, kInch = 0.0254;
@@ -30,9 +34,9 @@ const std::vector<Known>& units() {
                                               {"segundo", Quantity::Time, 1.0},
                                               {"second", Quantity::Time, 1.0},
                                               {"secs", Quantity::Time, 1.0},
-                                              {"ms", Quantity::Time, 1e-3},
+                                              {"ms", Quantity::Time, 1e-3, Case::Named},
                                               {"msec", Quantity::Time, 1e-3},
-                                              {"us", Quantity::Time, 1e-6},
+                                              {"us", Quantity::Time, 1e-6, Case::Named},
                                               {"min", Quantity::Time, 60.0},
                                               {"minute", Quantity::Time, 60.0},
                                               {"h", Quantity::Time, 3600.0},
@@ -53,10 +57,10 @@ const std::vector<Known>& units() {
                                               {"pound", Quantity::Force, kPound},
                                               {"radian", Quantity::Angle, 1.0},
                                               {"cm", Quantity::Displacement, 1e-2},
-                                              {"m", Quantity::Displacement, 1.0},
-                                              {"um", Quantity::Displacement, 1e-6},
+                                              {"m", Quantity::Displacement, 1.0, Case::Named},
+                                              {"um", Quantity::Displacement, 1e-6, Case::Named},
                                               {"micron", Quantity::Displacement, 1e-6},
-                                              {"nm", Quantity::Displacement, 1e-9},
+                                              {"nm", Quantity::Displacement, 1e-9, Case::Exact},
                                               {"in", Quantity::Displacement, kInch},
                                               {"inch", Quantity::Displacement, kInch},
                                               {"inche", Quantity::Displacement, kInch},
@@ -64,9 +68,9 @@ const std::vector<Known>& units() {
                                               {"mil", Quantity::Displacement, 1e-3 * kInch},
                                               {"thou", Quantity::Displacement, 1e-3 * kInch},
                                               {"ft", Quantity::Displacement, 12.0 * kInch},
-                                              {"mN", Quantity::Force, 1e-3, true},
-                                              {"MN", Quantity::Force, 1e6, true},
-                                              {"n", Quantity::Force, 1.0},
+                                              {"mN", Quantity::Force, 1e-3, Case::Exact},
+                                              {"MN", Quantity::Force, 1e6, Case::Exact},
+                                              {"N", Quantity::Force, 1.0, Case::Named},
                                               {"newton", Quantity::Force, 1.0},
                                               {"kn", Quantity::Force, 1e3},
                                               {"un", Quantity::Force, 1e-6},
@@ -206,10 +210,11 @@ constexpr std::array kCounters = {"index", "point",  "points", "nr",    "no",   
 
 /// What makes a column another thing than its words suggest: rates, moduli, set points, maxima.
 constexpr std::array kOther = {
-    "rate",    "speed",          "velocity",   "geschwindigkeit", "vitesse", "angvel",      "acceleration",
-    "accel",   "beschleunigung", "modulus",    "modul",           "stress",  "strain",      "spannung",
-    "dehnung", "cycle",          "cycles",     "zyklen",          "zyklus",  "temperature", "temperatur",
-    "status",  "stamp",          "contrainte", "esfuerzo",        "sforzo"};
+    "rate",    "speed",          "velocity",    "geschwindigkeit", "vitesse", "angvel",      "acceleration",
+    "accel",   "beschleunigung", "modulus",     "modul",           "stress",  "strain",      "spannung",
+    "dehnung", "cycle",          "cycles",      "zyklen",          "zyklus",  "temperature", "temperatur",
+    "status",  "stamp",          "contrainte",  "esfuerzo",        "sforzo",  "torque",      "moment",
+    "moments", "drehmoment",     "biegemoment", "torsionsmoment",  "momento", "couple",      "coppia"};
 /// Less direct measurements of the same quantity.
 constexpr std::array kSecond = {"set", "target", "demand",    "soll",      "command",      "max",
                                 "min", "peak",   "corrected", "total",     "extensometer", "video",
@@ -289,6 +294,15 @@ bool isVelocity(Quantity q) {
     return q == Quantity::Velocity || q == Quantity::AngularVelocity;
 }
 
+Unit unitFor(std::string_view text, Quantity named);
+
+/// A unit in any letters.
+bool isUnit(std::string_view text) {
+    return unitFor(text, Quantity::Time).measures != Quantity::None ||
+           unitFor(text, Quantity::Displacement).measures != Quantity::None ||
+           unitFor(text, Quantity::Force).measures != Quantity::None;
+}
+
 /// The unit in "Force (kN)", "Load [N]", "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what
 /// is left.
 std::string unitInName(std::string& text) {
@@ -314,7 +328,7 @@ std::string unitInName(std::string& text) {
             return rate;
         }
     const bool announced = at > 3 && text.compare(at - 3, 4, " in ") == 0; // "Kraft in %"
-    if (unitOf(last).measures == Quantity::None && !announced)
+    if (!isUnit(last) && !announced)
         return {};
     text = text.substr(0, at);
     if (text.size() > 3 && text.compare(text.size() - 3, 3, " in") == 0)
@@ -335,6 +349,56 @@ bool isClockFormat(std::string_view low) {
         low.remove_prefix(last ? low.size() : colon + 1);
     }
     return true;
+}
+
+/// Micro signs as u, letters as they are.
+std::string withPlainMicro(std::string_view text) {
+    std::string out(text);
+    for (const char* micro : {"µ", "μ"})
+        if (out.rfind(micro, 0) == 0)
+            out.replace(0, std::string_view(micro).size(), "u");
+    return out;
+}
+
+bool isWritten(const Known& k, const std::string& text, const std::string& low, Quantity named) {
+    if (k.letters == Case::Any || (k.letters == Case::Named && named == k.measures))
+        return low == folded(k.written);
+    return text == k.written;
+}
+
+/// @param named quantity that the words beside the unit name; None: there are none
+Unit unitFor(std::string_view text, Quantity named) {
+    text = trimmed(text);
+    while (text.size() > 1 &&
+           (text.front() == '(' || text.front() == '[' || text.front() == '<' || text.front() == '{'))
+        text = trimmed(text.substr(1));
+    while (text.size() > 1 &&
+           (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
+        text = trimmed(text.substr(0, text.size() - 1));
+    const std::string low = folded(text);
+    for (const auto& [cyrillic, latin] : kTranslatedUnits)
+        if (low == cyrillic) {
+            Unit unit = unitOf(latin);
+            unit.name = std::string(text);
+            return unit;
+        }
+    if (low.find(':') != std::string::npos &&
+        (low.find_first_not_of("hms:.0fdyt ") == std::string::npos || isClockFormat(low)))
+        return {"s", Quantity::Time, 1.0}; // hh:mm:ss is read as seconds
+    const bool plural = low.size() > 2 && low.back() == 's';
+    const std::string plain = withPlainMicro(text);
+    for (const std::string& word : {low, plural ? low.substr(0, low.size() - 1) : low})
+        for (const Known& k : units())
+            if (isWritten(k, plain, word, named))
+                return {std::string(text), k.measures, k.factor};
+    if (const std::size_t slash = text.find('/'); slash != std::string_view::npos && slash > 0) {
+        const Unit way = unitOf(text.substr(0, slash)), time = unitOf(text.substr(slash + 1));
+        if (way.measures == Quantity::Displacement && time.measures == Quantity::Time)
+            return {std::string(text), Quantity::Velocity, way.factor / time.factor};
+        if (way.measures == Quantity::Angle && time.measures == Quantity::Time)
+            return {std::string(text), Quantity::AngularVelocity, way.factor / time.factor};
+    }
+    return {};
 }
 
 bool fits(Quantity quantity, const Unit& unit) {
@@ -371,36 +435,7 @@ const char* name(Quantity q) {
 }
 
 Unit unitOf(std::string_view text) {
-    text = trimmed(text);
-    while (text.size() > 1 &&
-           (text.front() == '(' || text.front() == '[' || text.front() == '<' || text.front() == '{'))
-        text = trimmed(text.substr(1));
-    while (text.size() > 1 &&
-           (text.back() == ')' || text.back() == ']' || text.back() == '>' || text.back() == '}' || text.back() == '.'))
-        text = trimmed(text.substr(0, text.size() - 1));
-    const std::string low = folded(text);
-    for (const auto& [cyrillic, latin] : kTranslatedUnits)
-        if (low == cyrillic) {
-            Unit unit = unitOf(latin);
-            unit.name = std::string(text);
-            return unit;
-        }
-    if (low.find(':') != std::string::npos &&
-        (low.find_first_not_of("hms:.0fdyt ") == std::string::npos || isClockFormat(low)))
-        return {"s", Quantity::Time, 1.0}; // hh:mm:ss is read as seconds
-    const bool plural = low.size() > 2 && low.back() == 's';
-    for (const std::string& word : {low, plural ? low.substr(0, low.size() - 1) : low})
-        for (const Known& k : units())
-            if (k.exactCase ? text == k.written : word == k.written)
-                return {std::string(text), k.measures, k.factor};
-    if (const std::size_t slash = text.find('/'); slash != std::string_view::npos && slash > 0) {
-        const Unit way = unitOf(text.substr(0, slash)), time = unitOf(text.substr(slash + 1));
-        if (way.measures == Quantity::Displacement && time.measures == Quantity::Time)
-            return {std::string(text), Quantity::Velocity, way.factor / time.factor};
-        if (way.measures == Quantity::Angle && time.measures == Quantity::Time)
-            return {std::string(text), Quantity::AngularVelocity, way.factor / time.factor};
-    }
-    return {};
+    return unitFor(text, Quantity::None);
 }
 
 Unit usualUnit(Quantity quantity) {
@@ -444,6 +479,8 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     const std::vector<std::string> words = wordsOf(translated(folded(text)));
     findQuantity(words, h.unit.measures, h);
     findMarker(words, h);
+    if (h.unit.measures == Quantity::None && h.quantity != Quantity::None)
+        h.unit = unitFor(unit, h.marker.empty() ? h.quantity : Quantity::Displacement);
     // a heading that says nothing but a unit still says what is measured
     if (h.quantity == Quantity::None && words.empty() && h.unit.measures != Quantity::None) {
         h.quantity = h.unit.measures;

@@ -33,6 +33,7 @@ struct Unit {
 };
 
 /// "kN", "[mm]", "(N)", "in", "Sek.": measures == None if it is no unit we know. Lengths count as Displacement.
+/// Capitals count where they make another unit: N, m, nm, mN, MN, ms.
 Unit unitOf(std::string_view text);
 
 /// A heading taken apart.

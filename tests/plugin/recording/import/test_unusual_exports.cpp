@@ -5,6 +5,19 @@
 using namespace importingtest;
 using Catch::Contains;
 
+namespace {
+
+/// The known run below a head of three names.
+std::string below(const std::string& head, char separator = ',', char decimal = '.') {
+    Style s;
+    s.head = head;
+    s.separator = separator;
+    s.decimal = decimal;
+    return exported(s);
+}
+
+} // namespace
+
 TEST_CASE("velocities beside an angle are averaged and cut with it", "[importing]") {
     std::string text = "time_s,angle_deg,position_mm,velocity_mm_s\n";
     for (int i = 0; i < 5000; ++i)
@@ -16,4 +29,38 @@ TEST_CASE("velocities beside an angle are averaged and cut with it", "[importing
                Contains("understood the velocities add up to a way of 49 mm, the displacement to 49 mm"));
     hints.fromTurningPoint = 1;
     CHECK_THAT(accountOf(text, hints), Contains("understood the velocities add up to a way of 4"));
+}
+
+TEST_CASE("a torque is no displacement, whatever the letters of its unit", "[importing]") {
+    for (const char* head : {"Time (s),Torque (Nm),Force (N)", "Time (s),M (Nm),Force (N)", "Time (s),M_Nm,Force (N)",
+                             "Time (s),Biegemoment [NM],Force (N)", "Time (s),Moment (mm),Force (N)"}) {
+        INFO(head);
+        CHECK_THAT(errorOf(below(head)), Contains("there is a force but no displacement"));
+    }
+    Style s;
+    s.head = "Time (s),Gap (nm),Force (mN)";
+    s.perMillimetre = 1e6;
+    s.perNewton = 1e3;
+    checkValues(imported(exported(s)).runs[0]);
+}
+
+TEST_CASE("letters of a unit count where another unit has them", "[importing]") {
+    using importing::unitOf;
+    for (const char* none : {"Nm", "NM", "nM", "n", "M", "mn", "Mn", "mS", "µS", "µM"}) {
+        INFO(none);
+        CHECK(unitOf(none).measures == Quantity::None);
+    }
+    for (const char* any : {"MM", "KN", "kn", "S", "Sec", "IN", "LBF", "N", "mN", "MN", "nm", "m", "µm", "ms"}) {
+        INFO(any);
+        CHECK(unitOf(any).measures != Quantity::None);
+    }
+    // beside a word for the quantity there is no other unit
+    for (const char* head : {"TIME (S),POSITION (MM),LOAD (N)", "time (s),position (mm),load (n)",
+                             "t_s,position_mm,load_n", "Time,Position,Load\nS,MM,n"}) {
+        INFO(head);
+        checkValues(imported(below(head)).runs[0]);
+    }
+    CHECK(importing::headingOf("ZEIT [MS]", "").unit.factor == 1e-3);
+    CHECK(importing::headingOf("Conductance [mS]", "").quantity == Quantity::None);
+    CHECK(importing::headingOf("n", "").quantity == Quantity::None);
 }

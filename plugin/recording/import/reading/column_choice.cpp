@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace supercircle::importing {
 
@@ -98,6 +99,20 @@ const char* unitsFor(Quantity q) {
                                   : "mm, m, in, um";
 }
 
+/// --columns with what the headings say; a column whose unit is not known is taken in the usual one.
+std::string columnsOf(const Table& t) {
+    std::string list;
+    std::set<Quantity> named;
+    for (std::size_t c = 0; c < t.layout.columns; ++c) {
+        const Heading& h = t.headings[c];
+        const bool used = h.quantity != Quantity::None && h.quantity != Quantity::Counter && h.marker.empty() &&
+                          t.layout.numeric[c] && named.insert(h.quantity).second;
+        const std::string unit = h.unit.measures == Quantity::None ? usualUnit(h.quantity).name : h.unit.name;
+        list += (c == 0 ? "" : ",") + (used ? name(h.quantity) + ("[" + unit + "]") : std::string("-"));
+    }
+    return list;
+}
+
 /// Two digits are enough to write it.
 bool isRound(double x) {
     const double digits = x / math::pow(10.0, std::floor(math::log10(x)) - 1.0);
@@ -178,9 +193,14 @@ Status checkUnit(Draft& d, std::vector<std::size_t>& candidates) {
         const Heading& h = t.headings[candidates.front()];
         d.wrong = candidates.front();
         const bool weight = h.quantity == Quantity::Force && (h.unknownUnit == "kg" || h.unknownUnit == "g");
+        if (h.twoUnits)
+            return Status::failure(columnText(t, candidates.front()) + " has two units, " + h.unknownUnit +
+                                   ": in its name, and on the line of units; state the one that holds with --columns " +
+                                   columnsOf(t));
         return Status::failure(columnText(t, candidates.front()) + ": \"" + h.unknownUnit + "\" is no unit of " +
                                name(h.quantity) + "; expected one of " + unitsFor(h.quantity) +
-                               (weight ? "; a weight is stated with --columns as force[" + h.unknownUnit + "f]" : ""));
+                               (weight ? "; a weight is stated with --columns as force[" + h.unknownUnit + "f]"
+                                       : "; state it with --columns " + columnsOf(t)));
     }
     for (const std::size_t c : candidates)
         if (!t.headings[c].unknownUnit.empty())

@@ -303,30 +303,60 @@ bool isUnit(std::string_view text) {
            unitFor(text, Quantity::Force).measures != Quantity::None;
 }
 
-/// The unit in "Force (kN)", "Load [N]", "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what
-/// is left.
-std::string unitInName(std::string& text) {
-    for (const auto& [open, close] :
-         {std::pair{'(', ')'}, std::pair{'[', ']'}, std::pair{'<', '>'}, std::pair{'{', '}'}}) {
-        const std::size_t to = text.rfind(close), from = text.rfind(open, to);
-        if (to == std::string::npos || from == std::string::npos)
-            continue;
-        const std::string unit = text.substr(from + 1, to - from - 1);
-        text = text.substr(0, from) + text.substr(to + 1);
-        return unit;
-    }
+constexpr std::array kBrackets = {std::pair{'(', ')'}, std::pair{'[', ']'}, std::pair{'<', '>'}, std::pair{'{', '}'}};
+
+/// The unit among the brackets of a name, "Weg (Traverse) [mm]", which is taken out of it: the last one, of those that
+/// fit the words if there are such. Two that fit and differ are both returned, and are no unit.
+std::string bracketedUnit(std::string& text) {
+    struct Group {
+        std::size_t from, to;
+        std::string unit;
+    };
+    std::vector<Group> groups;
+    std::string outside;
+    std::size_t end = 0;
+    for (std::size_t from = 0; from < text.size(); ++from)
+        for (const auto& [open, close] : kBrackets) {
+            const std::size_t to = text[from] == open ? text.find(close, from) : std::string::npos;
+            if (to == std::string::npos)
+                continue;
+            outside += from >= end ? text.substr(end, from - end) + " " : "";
+            end = std::max(end, to + 1);
+            if (std::string unit = text.substr(from + 1, to - from - 1); isUnit(unit))
+                groups.push_back({from, to, std::move(unit)});
+        }
+    if (groups.empty())
+        return {};
+    Heading said;
+    findQuantity(wordsOf(translated(folded(outside + text.substr(end)))), Quantity::None, said);
+    std::vector<Group> fitting;
+    for (const Group& g : groups)
+        if (said.quantity != Quantity::None && unitFor(g.unit, said.quantity).measures == said.quantity)
+            fitting.push_back(g);
+    const Group best = fitting.empty() ? groups.back() : fitting.back();
+    text = text.substr(0, best.from) + " " + text.substr(best.to + 1);
+    for (const Group& g : fitting)
+        if (unitFor(g.unit, said.quantity).factor != unitFor(best.unit, said.quantity).factor)
+            return g.unit + " and " + best.unit;
+    return best.unit;
+}
+
+/// The unit in "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what is left.
+std::string unitAtEnd(std::string& text) {
     const std::size_t at = text.find_last_of("/_, ");
     if (at == std::string::npos || at == 0)
         return {};
     const std::string last = text.substr(at + 1);
     if (text.size() > 3 && at >= 3 && text.compare(at - 3, 4, " of ") == 0)
         return {}; // "time of day"
-    if (const std::size_t before = text.find_last_of("/_, ", at - 1); before != std::string::npos && before > 0)
-        if (const std::string rate = text.substr(before + 1, at - before - 1) + "/" + last; // "velocity_mm_s"
-            isVelocity(unitOf(rate).measures)) {
+    if (const std::size_t before = text.find_last_of("/_, ", at - 1); before != std::string::npos && before > 0) {
+        const std::string two = text.substr(before + 1), rate = two.substr(0, at - before - 1) + "/" + last;
+        const bool velocity = isVelocity(unitOf(rate).measures); // "velocity_mm_s"
+        if (velocity || isUnit(two)) {                           // "load_lb_f"
             text = text.substr(0, before);
-            return rate;
+            return velocity ? rate : two;
         }
+    }
     const bool announced = at > 3 && text.compare(at - 3, 4, " in ") == 0; // "Kraft in %"
     if (!isUnit(last) && !announced)
         return {};
@@ -336,6 +366,25 @@ std::string unitInName(std::string& text) {
     return last;
 }
 
+/// The unit in "Force (kN)", "Load [N]", "Weg in mm", "force/kN", "force_N", "Force, kN"; the name is shortened to what
+/// is left.
+std::string unitInName(std::string& text) {
+    if (std::string unit = bracketedUnit(text); !unit.empty())
+        return unit;
+    constexpr std::string_view kClosing = ")]>}";
+    const bool remark = !text.empty() && kClosing.find(text.back()) != std::string_view::npos;
+    if (std::string unit = remark ? std::string() : unitAtEnd(text); !unit.empty())
+        return unit;
+    for (const auto& [open, close] : kBrackets) { // what stands in the place of the unit
+        const std::size_t to = text.rfind(close), from = text.rfind(open, to);
+        if (to == std::string::npos || from == std::string::npos)
+            continue;
+        const std::string unit = text.substr(from + 1, to - from - 1);
+        text = text.substr(0, from) + text.substr(to + 1);
+        return unit;
+    }
+    return remark ? unitAtEnd(text) : std::string();
+}
 /// "min:sec", "hours:minutes:seconds"
 bool isClockFormat(std::string_view low) {
     constexpr std::array kParts = {"h", "hr",     "hour",    "hours", "m",    "min",    "mins",
@@ -398,6 +447,12 @@ Unit unitFor(std::string_view text, Quantity named) {
         if (way.measures == Quantity::Angle && time.measures == Quantity::Time)
             return {std::string(text), Quantity::AngularVelocity, way.factor / time.factor};
     }
+    if (const std::size_t mark = text.find_first_of("-_ "); low.back() == 'f' && mark != std::string_view::npos)
+        if (Unit force = unitFor(std::string(text.substr(0, mark)) + std::string(text.substr(mark + 1)), named);
+            force.measures == Quantity::Force) { // "lb-f"
+            force.name = std::string(text);
+            return force;
+        }
     return {};
 }
 
@@ -509,8 +564,10 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
         h.unknownUnit = unit;
     if (const Unit other = unitOf(named);
-        h.unitStated && other.measures == h.unit.measures && other.factor != h.unit.factor)
+        h.unitStated && other.measures == h.unit.measures && other.factor != h.unit.factor) {
         h.unknownUnit = named + " and " + unit; // in the name, and on the line of units
+        h.twoUnits = true;
+    }
     if (h.quantity != Quantity::None && !fits(h.quantity, h.unit)) {
         h.unit = usualUnit(h.quantity);
         h.unitStated = false;

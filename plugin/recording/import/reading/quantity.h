@@ -46,6 +46,7 @@ struct Heading {
     bool other = false;      ///< its words name something else: a stress, a rate, a cycle
     bool byUnit = false;     ///< its words are not known: the unit alone says what it is
     std::string unknownUnit; ///< what stands in the unit's place but is none
+    bool twoUnits = false;   ///< these are two that contradict each other: in the name, and on the line of units
     int rank = 0;            ///< how sure: of several columns of one quantity the one with the highest rank is taken
 };
 

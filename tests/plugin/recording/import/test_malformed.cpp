@@ -56,8 +56,9 @@ TEST_CASE("times that cannot be corrected are refused where they begin", "[impor
 TEST_CASE("unknown columns are reported with their position", "[importing]") {
     Style s;
     s.head = "Operator;me\ntime (s),displacement (mm),force (bananas)";
-    CHECK(errorOf(exported(s)) == "x.csv:2:28: column 3 \"force (bananas)\": \"bananas\" is no unit of force; expected "
-                                  "one of N, kN, mN, lbf, kgf");
+    CHECK(errorOf(exported(s)) ==
+          "x.csv:2:28: column 3 \"force (bananas)\": \"bananas\" is no unit of force; expected "
+          "one of N, kN, mN, lbf, kgf; state it with --columns time[s],displacement[mm],force[N]");
     s.head = "time (N),displacement (mm),force (N)";
     CHECK_THAT(errorOf(exported(s)), Contains("x.csv:1:1: column 1 \"time (N)\": \"N\" is no unit of time"));
     s.head = "a,b,c";

@@ -64,3 +64,35 @@ TEST_CASE("letters of a unit count where another unit has them", "[importing]") 
     CHECK(importing::headingOf("Conductance [mS]", "").quantity == Quantity::None);
     CHECK(importing::headingOf("n", "").quantity == Quantity::None);
 }
+
+TEST_CASE("a remark in brackets is no unit", "[importing]") {
+    for (const char* head :
+         {"Time (s);Weg (Traverse) [mm];Kraft (Kanal 1) [N]", "Time (s);Weg [mm] (Traverse);Kraft [N] (Kanal 1)",
+          "Time (s);Weg (oben) {mm};Kraft (Kanal 1) in N", "Zeit (ab Start);Weg (Traverse);Kraft (Kanal 1)\ns;mm;N"}) {
+        INFO(head);
+        checkValues(imported(below(head, ';', ',')).runs[0]);
+    }
+}
+
+TEST_CASE("a column whose unit cannot be told is stated with --columns", "[importing]") {
+    CHECK_THAT(errorOf(below("Time (s),Weg (Traverse),Kraft (N)")),
+               Contains("\"Traverse\" is no unit of displacement") &&
+                   Contains("--columns time[s],displacement[mm],force[N]"));
+    CHECK_THAT(errorOf(below("Time (s),Weg (mm),Force (kN)\ns,mm,N")),
+               Contains("\"Force (kN)\" has two units, kN and N") &&
+                   Contains("--columns time[s],displacement[mm],force[N]"));
+    CHECK_THAT(errorOf(below("Time (s),Weg (mm) (in),Force (N)")),
+               Contains("\"mm and in\" is no unit of displacement") && Contains("--columns time[s]"));
+}
+
+TEST_CASE("pounds of force are written in several ways", "[importing]") {
+    for (const char* head : {"Time (s),Extension (mm),Load (lb-f)", "Time (s),Extension (mm),Load (lb_f)",
+                             "time_s,extension_mm,load_lb_f", "Time,Extension,Load\ns,mm,lb f"}) {
+        Style s;
+        s.head = head;
+        s.perNewton = 1.0 / 4.4482216152605;
+        s.digits = 9;
+        INFO(head);
+        checkValues(imported(exported(s)).runs[0]);
+    }
+}

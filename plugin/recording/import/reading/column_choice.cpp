@@ -99,20 +99,6 @@ const char* unitsFor(Quantity q) {
                                   : "mm, m, in, um";
 }
 
-/// --columns with what the headings say; a column whose unit is not known is taken in the usual one.
-std::string columnsOf(const Table& t) {
-    std::string list;
-    std::set<Quantity> named;
-    for (std::size_t c = 0; c < t.layout.columns; ++c) {
-        const Heading& h = t.headings[c];
-        const bool used = h.quantity != Quantity::None && h.quantity != Quantity::Counter && h.marker.empty() &&
-                          t.layout.numeric[c] && named.insert(h.quantity).second;
-        const std::string unit = h.unit.measures == Quantity::None ? usualUnit(h.quantity).name : h.unit.name;
-        list += (c == 0 ? "" : ",") + (used ? name(h.quantity) + ("[" + unit + "]") : std::string("-"));
-    }
-    return list;
-}
-
 /// Two digits are enough to write it.
 bool isRound(double x) {
     const double digits = x / math::pow(10.0, std::floor(math::log10(x)) - 1.0);
@@ -141,6 +127,40 @@ bool saysSeconds(const Draft& d, std::size_t column) {
 }
 
 } // namespace
+
+bool mayBeClock(const Draft& d, std::size_t column) {
+    const Heading& h = d.table.headings[column];
+    if (h.unit.measures == Quantity::Time)
+        return true;
+    if (h.other || h.unit.measures != Quantity::None || !h.unknownUnit.empty())
+        return false;
+    const std::vector<double> all = sampleOf(d, column);
+    const std::size_t rows = std::min<std::size_t>(all.size(), 1000); // of a long file the sample has gaps
+    if (rows < 10)
+        return false;
+    const double step = (all[rows - 1] - all[0]) / static_cast<double>(rows - 1);
+    bool counts = true;
+    for (std::size_t i = 1; i < rows; ++i) {
+        if (!(all[i] > all[i - 1]) || std::abs(all[i] - all[0] - step * static_cast<double>(i)) > 0.5 * step)
+            return false;
+        counts = counts && all[i] == all[i - 1] + 1.0;
+    }
+    return !counts; // numbers of rows say nothing about times
+}
+
+std::string columnsOf(const Table& t, std::size_t time) {
+    std::string list;
+    std::set<Quantity> named;
+    for (std::size_t c = 0; c < t.layout.columns; ++c) {
+        const Heading& h = t.headings[c];
+        const Quantity q = c == time ? Quantity::Time : h.quantity;
+        const bool used = q != Quantity::None && q != Quantity::Counter && h.marker.empty() && t.layout.numeric[c] &&
+                          named.insert(q).second;
+        const std::string unit = h.unit.measures == Quantity::None ? usualUnit(q).name : h.unit.name;
+        list += (c == 0 ? "" : ",") + (used ? name(q) + ("[" + unit + "]") : std::string("-"));
+    }
+    return list;
+}
 
 Status chooseOne(Draft& d, const std::vector<std::size_t>& candidates) {
     Table& t = d.table;
@@ -196,11 +216,11 @@ Status checkUnit(Draft& d, std::vector<std::size_t>& candidates) {
         if (h.twoUnits)
             return Status::failure(columnText(t, candidates.front()) + " has two units, " + h.unknownUnit +
                                    ": in its name, and on the line of units; state the one that holds with --columns " +
-                                   columnsOf(t));
+                                   columnsOf(t, t.layout.columns));
         return Status::failure(columnText(t, candidates.front()) + ": \"" + h.unknownUnit + "\" is no unit of " +
                                name(h.quantity) + "; expected one of " + unitsFor(h.quantity) +
                                (weight ? "; a weight is stated with --columns as force[" + h.unknownUnit + "f]"
-                                       : "; state it with --columns " + columnsOf(t)));
+                                       : "; state it with --columns " + columnsOf(t, t.layout.columns)));
     }
     for (const std::size_t c : candidates)
         if (!t.headings[c].unknownUnit.empty())

@@ -23,6 +23,13 @@ Status chooseOne(Draft& draft, const std::vector<std::size_t>& candidates);
 /// A column whose unit is none of its quantity is no candidate; without another one the unit is asked for.
 Status checkUnit(Draft& draft, std::vector<std::size_t>& candidates);
 
+/// Whether a column that is not used may be the time: its unit is one of time, or it has none and runs on evenly.
+bool mayBeClock(const Draft& draft, std::size_t column);
+
+/// --columns with what the headings say; a column whose unit is not known is taken in the usual one.
+/// @param time column that is named the time; the number of columns: that of the headings
+std::string columnsOf(const Table& table, std::size_t time);
+
 /// Units that no heading states: from the user, or asked for.
 Status completeUnits(Draft& draft, const Hints& hints);
 

@@ -100,6 +100,38 @@ Status checkClock(Draft& d, std::size_t unread, const Hints& hints) {
                            "with --rate HZ (or --speed MM_PER_S)");
 }
 
+/// Times are not made up beside a column that may hold them. What the user or the header states counts, with a doubt.
+Status checkUnusedClock(Draft& d, const Hints& hints) {
+    Table& t = d.table;
+    const auto uses = [&](Quantity q) {
+        return std::any_of(d.chosen.begin(), d.chosen.end(),
+                           [&](std::size_t c) { return t.headings[c].quantity == q; });
+    };
+    if (uses(Quantity::Time) || !uses(Quantity::Displacement) || !hints.columns.empty() || hints.rate > 0.0 ||
+        hints.speed > 0.0)
+        return {};
+    const bool stated =
+        metadataValue(t.layout.metadata, MetadataKey::Rate) || metadataValue(t.layout.metadata, MetadataKey::Speed);
+    for (std::size_t c = 0; c < t.layout.columns; ++c) {
+        if (!t.layout.numeric[c] || t.headings[c].quantity != Quantity::None || !mayBeClock(d, c))
+            continue;
+        const std::string what = columnText(t, c) +
+                                 (t.headings[c].unit.measures == Quantity::Time ? " has a unit of time"
+                                                                                : " runs on evenly, as a clock does") +
+                                 ", but no column is named a time; ";
+        if (stated) {
+            remark(t, Remark::Kind::Doubtful, t.layout.namesLine,
+                   what + "the header gives the times instead (name the column with --columns " + columnsOf(t, c) +
+                       ")");
+            return {};
+        }
+        d.wrong = c;
+        return Status::failure(what + "if it is one, state --columns " + columnsOf(t, c) +
+                               ", else --rate HZ or --speed MM_PER_S");
+    }
+    return {};
+}
+
 Status choose(Draft& d, const Hints& hints, bool alone) {
     Table& t = d.table;
     const Layout& l = t.layout;
@@ -140,6 +172,8 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
     }
     if (Status readable = checkClock(d, unreadClock, hints); !readable)
         return readable;
+    if (Status asked = alone ? checkUnusedClock(d, hints) : Status(); !asked)
+        return asked;
     if (Status complete = completeUnits(d, hints); !complete)
         return complete;
     std::sort(d.chosen.begin(), d.chosen.end());

@@ -215,6 +215,9 @@ constexpr std::array kOther = {
     "dehnung", "cycle",          "cycles",      "zyklen",          "zyklus",  "temperature", "temperatur",
     "status",  "stamp",          "contrainte",  "esfuerzo",        "sforzo",  "torque",      "moment",
     "moments", "drehmoment",     "biegemoment", "torsionsmoment",  "momento", "couple",      "coppia"};
+/// Of these, what a clock may be named after: "time stamp", "cycle time".
+constexpr std::array kOfClocks = {"stamp", "cycle", "zyklus"};
+constexpr std::array kClocks = {"time", "zeit", "temps", "tiempo", "tempo"};
 /// Less direct measurements of the same quantity.
 constexpr std::array kSecond = {"set", "target", "demand",    "soll",      "command",      "max",
                                 "min", "peak",   "corrected", "total",     "extensometer", "video",
@@ -249,7 +252,13 @@ bool endsWithOther(const std::string& word) {
 /// @param measured by the unit: among words that contradict each other it decides; None: it is not known
 void findQuantity(const std::vector<std::string>& words, Quantity measured, Heading& h) {
     int penalty = 0;
+    const bool clock = (measured == Quantity::None || measured == Quantity::Time) &&
+                       std::any_of(words.begin(), words.end(), [](const std::string& w) { return has(kClocks, w); });
     for (const std::string& word : words) {
+        if (clock && has(kOfClocks, word)) {
+            penalty += 2;
+            continue;
+        }
         if (has(kOther, word) || endsWithOther(word)) {
             h.other = true;
             return;
@@ -547,6 +556,11 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
         h.unit = own;
         h.rank = 5;
     }
+    if (h.quantity == Quantity::None && words == std::vector<std::string>{"x", "value"} &&
+        (unit.empty() || h.unit.measures == Quantity::Time)) { // LabVIEW's name of its clock
+        h.quantity = Quantity::Time;
+        h.rank = 1;
+    }
     // a letter of a formula ("s in mm" is a way in German) is what its unit says
     if (h.quantity == Quantity::None && words.size() == 1 && words[0].size() == 1 && !unit.empty() &&
         h.unit.measures != Quantity::None) {
@@ -561,7 +575,7 @@ Heading headingOf(std::string_view columnName, std::string_view unitCell) {
     if (h.quantity == Quantity::Counter)
         return h;
     h.unitStated = h.unit.measures != Quantity::None;
-    if (h.quantity != Quantity::None && !unit.empty() && !fits(h.quantity, h.unit))
+    if (!unit.empty() && (h.quantity == Quantity::None ? !h.unitStated : !fits(h.quantity, h.unit)))
         h.unknownUnit = unit;
     if (const Unit other = unitOf(named);
         h.unitStated && other.measures == h.unit.measures && other.factor != h.unit.factor) {

@@ -7,6 +7,15 @@ using Catch::Contains;
 
 namespace {
 
+/// Rows of the known run below a head, written by `row`.
+template <class Row>
+std::string rowsBelow(const std::string& head, const Row& row) {
+    std::string text = head + "\n";
+    for (int i = 0; i < rows; ++i)
+        text += row(i, timeOf(i), wayOf(timeOf(i)), forceOf(wayOf(timeOf(i)))) + "\n";
+    return text;
+}
+
 /// The known run below a head of three names.
 std::string below(const std::string& head, char separator = ',', char decimal = '.') {
     Style s;
@@ -94,5 +103,43 @@ TEST_CASE("pounds of force are written in several ways", "[importing]") {
         s.digits = 9;
         INFO(head);
         checkValues(imported(exported(s)).runs[0]);
+    }
+}
+
+TEST_CASE("clocks with other words in their names are clocks", "[importing]") {
+    for (const char* name : {"Time Stamp (s)", "Cycle Time (s)", "Total Cycle Time [s]", "Elapsed Time", "X_Value",
+                             "X_Value (s)", "Zyklus Zeit (s)", "Time Stamp"}) {
+        INFO(name);
+        const auto all = imported(below(std::string(name) + ",Extension (mm),Load (N)"));
+        checkValues(all.runs[0]);
+    }
+    // a clock without such words goes first
+    const auto both =
+        rowsBelow("Cycle Time (s),Time (s),Extension (mm),Load (N)", [](int i, double t, double way, double force) {
+            return printed(timeOf(i % 60), 6) + "," + printed(t, 6) + "," + printed(way, 6) + "," + printed(force, 6);
+        });
+    checkValues(imported(both).runs[0]);
+    for (const char* other : {"Elapsed Cycles", "Cycle", "Cycle force [N]", "Time rate"})
+        CHECK(importing::headingOf(other, "").quantity == Quantity::None);
+}
+
+TEST_CASE("times are not made up beside a column that may hold them", "[importing]") {
+    CHECK_THAT(errorOf(below("Cycle duration (s),Extension (mm),Load (N)")),
+               Contains("column 1 \"Cycle duration (s)\" has a unit of time, but no column is named a time") &&
+                   Contains("--columns time[s],displacement[mm],force[N], else --rate HZ or --speed MM_PER_S"));
+    const std::string even = below("Channel A,Extension (mm),Load (N)");
+    CHECK_THAT(errorOf(even), Contains("column 1 \"Channel A\" runs on evenly, as a clock does"));
+    importing::Hints hints;
+    hints.columns = {"time[s]", "displacement[mm]", "force[N]"};
+    checkValues(imported(even, hints).runs[0]);
+    hints.columns = {"-", "displacement[mm]", "force[N]"};
+    CHECK_THAT(accountOf(even, hints), Contains("the crosshead is assumed to move at 1 mm/s"));
+    CHECK_THAT(accountOf("Sampling rate;20;Hz\n" + even),
+               Contains("doubtful") && Contains("\"Channel A\" runs on evenly") && Contains("rows come at 20 Hz"));
+    // numbers of rows, and what does not run on evenly or has another unit, are no clocks
+    for (const char* name : {"Zyklen", "Dehnung", "A (%)", "B (bar)"}) {
+        INFO(name);
+        CHECK_THAT(accountOf(below(std::string(name) + ",Extension (mm),Load (N)")),
+                   Contains("the crosshead is assumed to move at 1 mm/s"));
     }
 }

@@ -252,6 +252,16 @@ Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<
     if (signals.find(Quantity::Displacement) == nullptr)
         return Status::failure(std::to_string(signals.line.front()) +
                                ":1: there is no column of times; expected one, or the rate of the rows with --rate HZ");
+    if (const auto unclear = unclearSpeeds(metadata); hints.speed <= 0.0 && !unclear.empty()) {
+        std::string list;
+        for (const StatedValue& s : unclear)
+            list += (list.empty() ? "" : ", ") + ("\"" + s.key + "\" of ") + shown(1e3 * s.value.value) +
+                    " mm/s (line " + std::to_string(s.value.line) + ")";
+        return Status::failure(
+            std::to_string(unclear.front().value.line) +
+            ":1: there is no time, and the header states no speed that is clearly that of the test: " + list +
+            "; state it with --speed MM_PER_S, or the rate of the rows with --rate HZ");
+    }
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
     const std::size_t rows = signals.rows();

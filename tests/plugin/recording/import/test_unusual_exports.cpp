@@ -2,6 +2,8 @@
 
 #include "tests/plugin/recording/import/support.h"
 
+#include "plugin/recording/import/reading/metadata.h"
+
 using namespace importingtest;
 using Catch::Contains;
 
@@ -142,4 +144,42 @@ TEST_CASE("times are not made up beside a column that may hold them", "[importin
         CHECK_THAT(accountOf(below(std::string(name) + ",Extension (mm),Load (N)")),
                    Contains("the crosshead is assumed to move at 1 mm/s"));
     }
+}
+
+TEST_CASE("without a clock the speed of the test counts, not the first one", "[importing]") {
+    const std::string table = rowsBelow("Weg (mm);Kraft (N)", [](int, double, double way, double force) {
+        return printed(way, 6, ',') + ";" + printed(force, 6, ',');
+    });
+    const auto speedsOf = [&](const std::string& header) { return accountOf(header + table); };
+    CHECK_THAT(speedsOf("Geschwindigkeit Vorkraft;5;mm/min\nPrüfgeschwindigkeit;120;mm/min\n"),
+               Contains("line 2: there is no time; the crosshead moves at 2 mm/s"));
+    CHECK_THAT(speedsOf("Return speed;500;mm/min\nSpeed;30;mm/min\n"),
+               Contains("line 2: there is no time; the crosshead moves at 0.5 mm/s"));
+    CHECK_THAT(speedsOf("Pre-Test Speed;1;mm/s\nTest Speed;0,5;mm/s\nPost-Test Speed;10;mm/s\n"),
+               Contains("line 2: there is no time; the crosshead moves at 0.5 mm/s"));
+    CHECK_THAT(speedsOf("Speed;5;mm/min\nTest speed;30;mm/min\n"), Contains("moves at 0.5 mm/s"));
+    CHECK_THAT(speedsOf("Speed;30;mm/min\nVelocity;0,5;mm/s\n"), Contains("moves at 0.5 mm/s")); // they agree
+    CHECK_THAT(speedsOf("Druckgeschwindigkeit;30;mm/min\n"), Contains("moves at 0.5 mm/s"));
+    const std::string two = "Speed 1;6;mm/min\nSpeed 2;30;mm/min\n";
+    CHECK_THAT(errorOf(two + table), Contains("x.csv:1:1: there is no time, and the header states no speed that is "
+                                              "clearly that of the test: \"Speed 1\" of 0.1 mm/s (line 1), \"Speed 2\" "
+                                              "of 0.5 mm/s (line 2)") &&
+                                         Contains("--speed MM_PER_S"));
+    CHECK_THAT(errorOf("Return speed;500;mm/min\n" + table), Contains("no speed that is clearly that of the test"));
+    importing::Hints hints;
+    hints.speed = 1e-3;
+    CHECK_THAT(accountOf(two + table, hints), Contains("moves at 1 mm/s as given"));
+    CHECK_THAT(accountOf(two + exported()), !Contains("doubtful")); // beside a clock they are no question
+}
+
+TEST_CASE("the width of a grip is not that of the specimen", "[importing]") {
+    using importing::MetadataKey;
+    const auto width =
+        importing::metadataValue({{1, "Grip width", "60 mm"}, {2, "Width", "12.5 mm"}}, MetadataKey::Width);
+    REQUIRE(width);
+    CHECK(width->value == Approx(12.5e-3));
+    for (const char* machine : {"Grip width", "Breite der Spannbacken", "Clamp width (mm)", "Support width"})
+        CHECK_FALSE(importing::metadataValue({{1, machine, "60 mm"}}, MetadataKey::Width));
+    CHECK_FALSE(importing::metadataValue({{1, "Jaw thickness", "60 mm"}}, MetadataKey::Thickness));
+    CHECK(importing::metadataValue({{1, "Probenbreite", "60 mm"}}, MetadataKey::Width));
 }

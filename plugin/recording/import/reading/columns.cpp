@@ -3,6 +3,7 @@
 #include "plugin/recording/import/reading/column_choice.h"
 
 #include "plugin/recording/import/reading/metadata.h"
+#include "plugin/recording/import/reading/text.h"
 
 #include <algorithm>
 
@@ -186,6 +187,42 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
     return {};
 }
 
+/// Names of half as many columns as the rows have cells, each pair a whole number and digits: unquoted decimal commas
+/// between commas. Empty: they are none.
+std::string tornNumbers(const std::vector<std::string_view>& lines, const Layout& l) {
+    const auto isWhole = [](std::string_view cell, bool first) {
+        if (first && !cell.empty() && (cell[0] == '-' || cell[0] == '+'))
+            cell.remove_prefix(1);
+        return !cell.empty() && cell.find_first_not_of("0123456789") == std::string_view::npos;
+    };
+    std::size_t names = 0;
+    for (std::size_t i = l.firstDataLine - 1; i-- > 0 && i + 5 > l.firstDataLine && names == 0;) {
+        const std::vector<std::string> cells = cellsOf(lines[i], ',');
+        const bool words = std::none_of(cells.begin(), cells.end(), [&](const auto& c) { return isWhole(c, true); });
+        names = words && 2 * cells.size() == l.columns ? i + 1 : 0;
+    }
+    if (l.separator != ',' || names == 0)
+        return {};
+    std::size_t rows = 0, torn = 0;
+    for (const std::size_t i : sampledLines(lines.size())) {
+        std::vector<std::string_view> cells;
+        splitCells(lines[i], ',', cells);
+        if (i + 1 < l.firstDataLine || cells.size() != l.columns)
+            continue;
+        ++rows;
+        bool all = true;
+        for (std::size_t c = 0; c < cells.size(); ++c)
+            all = all && isWhole(cells[c], c % 2 == 0);
+        torn += all ? 1 : 0;
+    }
+    if (rows < 2 || torn < rows)
+        return {};
+    return "line " + std::to_string(names) + " has " + std::to_string(l.columns / 2) + " cells, the rows have " +
+           std::to_string(l.columns) +
+           ": decimal commas cannot be told from the commas between cells; export again with semicolons or tabs "
+           "between the cells, with decimal points, or with quotes around the numbers";
+}
+
 /// Headings from the file or from the hints.
 Status readHeadings(Table& t, const Hints& hints) {
     const Layout& l = t.layout;
@@ -288,6 +325,9 @@ Result<std::vector<Table>> chooseColumns(const std::vector<std::string_view>& li
         return Tables::failure(std::to_string(heading) + ":" +
                                std::to_string(columnOf(lines[heading - 1], l.separator, column)) + ": " + why);
     };
+    if (l.namesLine == 0 && hints.columns.size() != l.columns)
+        if (const std::string torn = tornNumbers(lines, l); !torn.empty())
+            return failed(torn, 0);
     if (const Status read = readHeadings(whole, hints); !read)
         return failed(read.error(), 0);
     if (hints.columns.empty())

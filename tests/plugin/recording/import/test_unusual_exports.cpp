@@ -183,3 +183,22 @@ TEST_CASE("the width of a grip is not that of the specimen", "[importing]") {
     CHECK_FALSE(importing::metadataValue({{1, "Jaw thickness", "60 mm"}}, MetadataKey::Thickness));
     CHECK(importing::metadataValue({{1, "Probenbreite", "60 mm"}}, MetadataKey::Width));
 }
+
+TEST_CASE("decimal commas between commas without quotes are named, with the remedy", "[importing]") {
+    const auto torn = [](const std::string& head, double start) {
+        return rowsBelow(head, [&](int, double t, double way, double force) {
+            return printed(t, 2, ',') + "," + printed(start + way, 3, ',') + "," + printed(-force, 4, ',');
+        });
+    };
+    for (const char* head : {"Time (s),Weg (mm),Kraft (N)", "Bericht\nZeit,Weg,Kraft\ns,mm,N"}) {
+        INFO(head);
+        CHECK_THAT(
+            errorOf(torn(head, 12.5)),
+            Contains("has 3 cells, the rows have 6: decimal commas cannot be told from the commas between cells") &&
+                Contains("export again with semicolons or tabs between the cells, with decimal points, or with "
+                         "quotes"));
+    }
+    importing::Hints hints;
+    hints.columns = {"time[s]", "displacement[mm]", "force[N]"};
+    CHECK_THAT(errorOf(torn("Time (s),Weg (mm),Kraft (N)", 0.0), hints), Contains("export again with semicolons"));
+}

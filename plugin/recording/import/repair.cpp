@@ -163,9 +163,14 @@ void timeFromRate(Signals& signals, double rate) {
     signals.channels.push_back(std::move(time));
 }
 
+double firstKnown(const std::vector<double>& values) {
+    const auto known = std::find_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    return known == values.end() ? std::numeric_limits<double>::quiet_NaN() : *known;
+}
+
 /// Way between turning points; noise below `least` turns nothing.
 double netTravel(const std::vector<double>& d, double least) {
-    double way = 0.0, from = d.front(), furthest = d.front();
+    double way = 0.0, from = firstKnown(d), furthest = from;
     for (const double v : d) {
         if (!std::isfinite(v))
             continue;
@@ -197,8 +202,11 @@ void timeFromTicks(Signals& signals, double speed) {
     const std::vector<double>& d = *signals.find(Quantity::Displacement);
     const double noise = 1.4826 * medianBend(d);
     const double duration = netTravel(d, std::max(6.0 * noise, 0.01 * span(d))) / speed;
+    const auto isKnown = [](double v) { return std::isfinite(v); };
+    const auto first = std::find_if(d.begin(), d.end(), isKnown);
+    const auto last = std::find_if(d.rbegin(), d.rend(), isKnown).base(); // behind it
     if (duration > 0.0)
-        timeFromRate(signals, static_cast<double>(signals.rows() - 1) / duration);
+        timeFromRate(signals, static_cast<double>(last - first - 1) / duration);
     else
         signals.erase(std::vector<char>(signals.rows(), 1));
 }
@@ -207,11 +215,12 @@ void timeFromTicks(Signals& signals, double speed) {
 void timeFromSpeed(Signals& signals, double speed) {
     Channel time{Quantity::Time, {}, {}};
     const std::vector<double>& d = *signals.find(Quantity::Displacement);
-    double way = 0.0, last = d.front();
+    double way = 0.0, last = std::numeric_limits<double>::quiet_NaN();
     std::vector<char> gone(signals.rows(), 0);
     for (std::size_t i = 0; i < d.size(); ++i) {
-        const double step = std::isfinite(d[i]) && std::isfinite(last) ? std::abs(d[i] - last) : 0.0;
-        gone[i] = !std::isfinite(d[i]) || (i > 0 && step == 0.0) ? 1 : 0;
+        const bool first = std::isfinite(d[i]) && !std::isfinite(last);
+        const double step = std::isfinite(d[i]) && !first ? std::abs(d[i] - last) : 0.0;
+        gone[i] = first || step > 0.0 ? 0 : 1;
         way += step;
         last = std::isfinite(d[i]) ? d[i] : last;
         time.values.push_back(way / speed);
@@ -265,14 +274,17 @@ Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<
     const bool known = hints.speed > 0.0 || speed;
     const double metresPerSecond = hints.speed > 0.0 ? hints.speed : speed ? speed->value : 1e-3;
     const std::size_t rows = signals.rows();
+    const std::vector<double>& d = *signals.find(Quantity::Displacement);
+    const auto missing = std::count_if(d.begin(), d.end(), [](double v) { return !std::isfinite(v); });
     const bool ticks = signals.find(Quantity::Counter) != nullptr || isNoisy(*signals.find(Quantity::Displacement));
     (ticks ? timeFromTicks : timeFromSpeed)(signals, metresPerSecond);
     if (signals.rows() < 2)
         return Status::failure("there is no time, and the displacement never changes; expected one of them to");
     if (signals.rows() < rows)
         remarks.push_back({Kind::Omitted, 0,
-                           std::to_string(rows - signals.rows()) +
-                               " rows in which the displacement does not change: dwells have no time without a clock "
+                           std::to_string(rows - signals.rows()) + " rows in which the displacement does not change" +
+                               (missing > 0 ? " or is missing" : "") +
+                               ": dwells have no time without a clock "
                                "(--rate gives them one)"});
     remarks.push_back({known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
                        known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) +

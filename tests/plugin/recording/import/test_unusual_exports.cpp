@@ -202,3 +202,21 @@ TEST_CASE("decimal commas between commas without quotes are named, with the reme
     hints.columns = {"time[s]", "displacement[mm]", "force[N]"};
     CHECK_THAT(errorOf(torn("Time (s),Weg (mm),Kraft (N)", 0.0), hints), Contains("export again with semicolons"));
 }
+
+TEST_CASE("without a clock an empty first displacement takes one row with it", "[importing]") {
+    const auto text = [](bool counted, double noise) {
+        return rowsBelow(counted ? "Index;Weg (mm);Kraft (N)" : "Weg (mm);Kraft (N)",
+                         [&](int i, double, double, double force) {
+                             const double way = 0.02 * i + noise * std::sin(12.9898 * i * i);
+                             return (counted ? std::to_string(i + 1) + ";" : "") + (i < 2 ? "" : printed(way, 6, ',')) +
+                                    ";" + printed(force, 6, ',');
+                         });
+    };
+    // ticks of a counter, ticks of a noisy displacement, times from the steps of a clean one
+    const auto counted = imported(text(true, 0.0)), noisy = imported(text(false, 0.05)),
+               clean = imported(text(false, 0.0));
+    CHECK(counted.runs[0].signals.find(Quantity::Time)->back() == Approx(7.2)); // 0.02 mm a row at 1 mm/s
+    CHECK(noisy.runs[0].signals.find(Quantity::Time)->back() == Approx(7.2).epsilon(0.05));
+    CHECK(clean.runs[0].signals.rows() == static_cast<std::size_t>(rows - 2));
+    CHECK_THAT(importing::account(clean), Contains("2 rows in which the displacement does not change or is missing"));
+}

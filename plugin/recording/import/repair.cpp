@@ -364,7 +364,31 @@ void repairCounter(Signals& signals, std::vector<Remark>& remarks) {
     speeds.reserve(d.size());
     for (std::size_t i = 1; i < d.size(); ++i)
         speeds.push_back(std::abs(d[i] - d[i - 1]) / (clock(i) - clock(i - 1)));
-    const double usual = quantile(speeds, 0.95), travel = span(d);
+    const double travel = span(d);
+    double usual = quantile(speeds, 0.95);
+    const bool stepwise = usual == 0.0; // it rests in nearly all rows and moves within one
+    if (stepwise) {
+        speeds.erase(std::remove(speeds.begin(), speeds.end(), 0.0), speeds.end());
+        usual = quantile(std::move(speeds), 0.5);
+    }
+    const std::vector<double>* force = signals.find(Quantity::Force);
+    const double forces = force != nullptr ? span(*force) : 0.0;
+    // a counter that is reset leaves the force as it is, a head that returns does not
+    const auto unloads = [&](std::size_t i) {
+        return force != nullptr && std::abs((*force)[i] - (*force)[i - 1]) > 0.2 * forces;
+    };
+    const auto isSudden = [&](std::size_t from, std::size_t to) {
+        const double jump = std::abs(d[to] - d[from]);
+        return jump > 20.0 * usual * (clock(to) - clock(from)) && jump > 0.01 * travel;
+    };
+    // steps of a head that only creeps between them are sudden too
+    std::size_t steps = 0, before = 0;
+    for (std::size_t i = 1; i < d.size(); ++i)
+        if (std::isfinite(d[i])) {
+            steps += isSudden(before, i) && std::abs(d[i]) >= 0.02 * travel ? 1 : 0;
+            before = i;
+        }
+    const bool moves = stepwise || steps >= 3;
     double offset = 0.0;
     std::size_t last = 0;
     double lastRaw = d[0];
@@ -375,7 +399,7 @@ void repairCounter(Signals& signals, std::vector<Remark>& remarks) {
             continue;
         const double jump = raw - lastRaw, gap = clock(i) - clock(last);
         const bool sudden = std::abs(jump) > 20.0 * usual * gap && std::abs(jump) > 0.01 * travel;
-        if (sudden && std::abs(raw) < 0.02 * travel && std::abs(lastRaw) > std::abs(raw)) {
+        if (sudden && !moves && !unloads(i) && std::abs(raw) < 0.02 * travel && std::abs(lastRaw) > std::abs(raw)) {
             const double going = last > 0 ? (d[last] - d[last - 1]) / (clock(last) - clock(last - 1)) : 0.0;
             offset = d[last] + (std::isfinite(going) ? going * gap : 0.0) - raw;
             zeroed.add(remarks, signals.line[i],

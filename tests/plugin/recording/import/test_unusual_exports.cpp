@@ -220,3 +220,28 @@ TEST_CASE("without a clock an empty first displacement takes one row with it", "
     CHECK(clean.runs[0].signals.rows() == static_cast<std::size_t>(rows - 2));
     CHECK_THAT(importing::account(clean), Contains("2 rows in which the displacement does not change or is missing"));
 }
+
+TEST_CASE("the return of a head that moves in steps is no reset of its counter", "[importing]") {
+    // 30 steps of 0.1 mm within a row each, rests of 30 rows, back to 0 within a row
+    for (const bool loaded : {true, false}) { // the second returns before it touches the specimen again
+        std::string text = "time_s,displacement_mm,force_N\n";
+        for (int i = 0; i < 1200; ++i) {
+            const double way = i < 930 ? 0.1 * (i / 30) : 0.0, force = loaded || i < 900 ? 2.0 * way : 0.0;
+            text += printed(0.05 * i, 3) + "," + printed(way, 4) + "," + printed(force, 4) + "\n";
+        }
+        const auto all = imported(text);
+        const auto& d = *all.runs[0].signals.find(Quantity::Displacement);
+        CHECK(d[920] == Approx(3e-3));
+        CHECK(d[1100] == Approx(0.0).margin(1e-12));
+        CHECK_THAT(importing::account(all), !Contains("the counter was reset") &&
+                                                Contains("line 932: the displacement jumps from 3 mm to 0 mm"));
+    }
+}
+
+TEST_CASE("a counter of a ramp that is unloaded within a row was not reset", "[importing]") {
+    const std::string text = rowsBelow("time_s,displacement_mm,force_N", [](int i, double t, double way, double force) {
+        return printed(t, 6) + "," + printed(i < 150 ? way : 0.0, 6) + "," + printed(i < 150 ? force : 0.0, 6);
+    });
+    const auto all = imported(text);
+    CHECK(all.runs[0].signals.find(Quantity::Displacement)->back() == Approx(0.0).margin(1e-12));
+}

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace supercircle::importing {
 
@@ -331,19 +332,28 @@ Status repairTime(Signals& signals, const Hints& hints, const std::vector<Header
 std::vector<Signals> splitRuns(Signals&& signals, std::vector<Remark>& remarks) {
     const std::vector<double>* time = signals.find(Quantity::Time);
     std::vector<std::size_t> starts{0};
+    // fewer rows each: the column counts something else
+    const bool named = 10 * (signals.renamed.size() + 1) <= signals.rows();
+    const auto renames = [&](std::size_t i) {
+        return named && std::binary_search(signals.renamed.begin(), signals.renamed.end(), i);
+    };
     if (time != nullptr) {
         const double step = usualStep(*time);
         for (std::size_t i = 1; i < signals.rows(); ++i)
-            if (startsAgain(signals, starts.back(), i, step))
+            if (startsAgain(signals, starts.back(), i, step) || (renames(i) && (*time)[i] < (*time)[i - 1]))
                 starts.push_back(i);
     } else {
-        starts.insert(starts.end(), signals.breaks.begin(), signals.breaks.end());
+        std::set<std::size_t> all(signals.breaks.begin(), signals.breaks.end());
+        if (named)
+            all.insert(signals.renamed.begin(), signals.renamed.end());
+        starts.insert(starts.end(), all.begin(), all.end());
     }
     std::vector<Signals> runs;
     for (std::size_t k = 1; k < starts.size(); ++k)
         remarks.push_back({Kind::Understood, signals.line[starts[k]],
-                           time != nullptr ? "another run begins: the clock starts again"
-                                           : "another run begins: the header is repeated"});
+                           renames(starts[k]) ? "another run begins: another specimen or test is named"
+                           : time != nullptr  ? "another run begins: the clock starts again"
+                                              : "another run begins: the header is repeated"});
     if (starts.size() == 1) {
         runs.push_back(std::move(signals));
         return runs;

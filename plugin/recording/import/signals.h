@@ -37,11 +37,12 @@ inline bool isMarker(const Channel& c) {
 /// Channels with equal numbers of rows.
 struct Signals {
     std::vector<Channel> channels;
-    std::vector<std::size_t> line;   ///< of each row, from 1
-    std::vector<std::size_t> breaks; ///< rows before a repeated header
-    double clockStart = 0.0;         ///< s, clock reading that became 0
-    bool displacementTurned = false; ///< the sign of the displacement is not that of the file
-    bool forceTurned = false;        ///< the sign of the force is not that of the file
+    std::vector<std::size_t> line;    ///< of each row, from 1
+    std::vector<std::size_t> breaks;  ///< rows before a repeated header
+    std::vector<std::size_t> renamed; ///< rows from which on another specimen is named; before the runs are split
+    double clockStart = 0.0;          ///< s, clock reading that became 0
+    bool displacementTurned = false;  ///< the sign of the displacement is not that of the file
+    bool forceTurned = false;         ///< the sign of the force is not that of the file
     std::vector<Decision> decisions;
     std::size_t lost = 0; ///< rows removed because their time is out of order
     [[nodiscard]] std::size_t rows() const { return line.size(); }
@@ -84,6 +85,7 @@ struct Table {
     std::string specimen;          ///< as named above its columns; empty: the table has one specimen
     std::vector<Heading> headings; ///< per column of the file
     std::vector<int> channelOf;    ///< per column: index into track.channels, -1: not used
+    std::size_t specimenColumn = static_cast<std::size_t>(-1); ///< names or numbers of specimens; -1: there is none
     Signals signals;
     Signals unplaced;                   ///< thinned rows as the file has them, if decimal marks were placed
     std::size_t candidates = 0;         ///< lines with as many numbers as columns are needed
@@ -119,8 +121,8 @@ Result<std::vector<Table>> readTables(const Text& text, const Hints& hints);
 Status repairTime(Signals& signals, const Hints& hints, const std::vector<HeaderEntry>& metadata,
                   std::vector<Remark>& remarks);
 
-/// Splits consecutive tests of one file: at a restarted clock with the crosshead at its start, or below a repeated
-/// header.
+/// Splits consecutive tests of one file: at a restarted clock with the crosshead at its start, below a repeated header,
+/// or where a column of specimens names another one and no clock runs on.
 std::vector<Signals> splitRuns(Signals&& signals, std::vector<Remark>& remarks);
 
 /// Removes resets of the displacement counter.

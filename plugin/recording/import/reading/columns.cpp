@@ -15,6 +15,34 @@ bool sameQuantity(const Heading& a, const Heading& b) {
     return a.quantity == b.quantity && a.marker == b.marker;
 }
 
+/// A column of numbers or names of specimens or tests, that is none of the quantities.
+bool namesSpecimens(const Heading& h) {
+    static const std::set<std::string> kThings = {
+        "specimen",    "test",    "run",    "probe",   "prufling", "versuch", "lauf",   "eprouvette", "essai",
+        "echantillon", "probeta", "ensayo", "muestra", "provino",  "prova",   "sample", "trial"};
+    static const std::set<std::string> kNumbers = {"no", "nr",   "num",   "number", "nummer",
+                                                   "id", "name", "label", "numero"};
+    if ((h.quantity != Quantity::None && h.quantity != Quantity::Counter) || h.unit.measures != Quantity::None)
+        return false;
+    std::string word;
+    bool thing = false, rest = true;
+    for (const char c : folded(h.text) + " ")
+        if (c >= 'a' && c <= 'z') {
+            word += c;
+        } else if (!word.empty()) {
+            bool known = kThings.count(word) > 0;
+            for (const std::string& n : kNumbers) // "specimenid", "probennummer"
+                if (word.size() > n.size() && word.compare(word.size() - n.size(), n.size(), n) == 0) {
+                    const std::string stem = word.substr(0, word.size() - n.size());
+                    known = known || kThings.count(stem) > 0 || kThings.count(stem.substr(0, stem.size() - 1)) > 0;
+                }
+            thing = thing || known;
+            rest = rest && (known || kNumbers.count(word) > 0);
+            word.clear();
+        }
+    return thing && rest;
+}
+
 /// Reports the columns; many markers in one line.
 void tellColumns(Draft& d, bool alone) {
     Table& t = d.table;
@@ -31,7 +59,9 @@ void tellColumns(Draft& d, bool alone) {
     std::string idle;
     for (std::size_t c = 0; c < l.columns; ++c) {
         const Heading& h = t.headings[c];
-        if (alone && h.quantity == Quantity::None && !h.text.empty() && h.text != "-")
+        if (c == t.specimenColumn)
+            remark(t, Remark::Kind::Understood, l.namesLine, columnText(t, c) + " names specimens or tests");
+        else if (alone && h.quantity == Quantity::None && !h.text.empty() && h.text != "-")
             idle += (idle.empty() ? "column " : ", ") + std::to_string(c + 1) + " \"" + h.text + "\"";
         if (t.channelOf[c] < 0)
             continue;
@@ -183,6 +213,9 @@ Status choose(Draft& d, const Hints& hints, bool alone) {
         t.channelOf[c] = static_cast<int>(t.signals.channels.size());
         t.signals.channels.push_back({t.headings[c].quantity, t.headings[c].marker, {}});
     }
+    for (std::size_t c = 0; c < l.columns && alone; ++c)
+        if (t.channelOf[c] < 0 && namesSpecimens(t.headings[c]))
+            t.specimenColumn = c;
     tellColumns(d, alone);
     return {};
 }

@@ -66,6 +66,11 @@ public:
         if (again_ && t_.signals.rows() > 0)
             t_.signals.breaks.push_back(t_.signals.rows());
         again_ = false;
+        if (t_.specimenColumn < cells_.size() && !cells_[t_.specimenColumn].empty()) {
+            if (!specimen_.empty() && cells_[t_.specimenColumn] != specimen_)
+                t_.signals.renamed.push_back(t_.signals.rows());
+            specimen_ = cells_[t_.specimenColumn];
+        }
         for (std::size_t k = 0; k < row_.size(); ++k)
             t_.signals.channels[k].values.push_back(row_[k]);
         t_.signals.line.push_back(number);
@@ -192,6 +197,7 @@ private:
     Tally odd_{Remark::Kind::Omitted, "lines that are no rows of numbers"};
     std::size_t grouped_ = 0, above_ = 0, firstAbove_ = 0, partly_ = 0, firstPartly_ = 0;
     bool again_ = false;
+    std::string specimen_; ///< of the row before
 };
 
 void readRows(const std::vector<std::string_view>& lines, Table& t) {

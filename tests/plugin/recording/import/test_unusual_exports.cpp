@@ -245,3 +245,39 @@ TEST_CASE("a counter of a ramp that is unloaded within a row was not reset", "[i
     const auto all = imported(text);
     CHECK(all.runs[0].signals.find(Quantity::Displacement)->back() == Approx(0.0).margin(1e-12));
 }
+
+TEST_CASE("a column of specimens splits stacked tests wherever they start", "[importing]") {
+    const auto stacked = [](const std::string& head, bool clock, double clockStart) {
+        std::string text = head + "\n";
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < rows; ++i) {
+                const double way = wayOf(timeOf(i));
+                text += (head[0] == 'S' ? std::to_string(k + 1) : std::string(1, static_cast<char>('A' + k))) +
+                        (clock ? "," + printed(timeOf(i) + (k > 0 ? clockStart : 0.0), 6) : "") + "," +
+                        printed(way + 1.3 * k, 6) + "," + printed(forceOf(way), 6) + "\n";
+            }
+        return text;
+    };
+    for (const char* head : {"Specimen,Time (s),Disp (mm),Force (N)", "Sample No.,Time (s),Disp (mm),Force (N)",
+                             "Probennummer,Time (s),Disp (mm),Force (N)", "Test,Time (s),Disp (mm),Force (N)"}) {
+        INFO(head);
+        const auto all = imported(stacked(head, true, 0.0));
+        REQUIRE(all.runs.size() == 3);
+        for (const auto& run : all.runs)
+            checkValues(run);
+        CHECK_THAT(importing::account(all),
+                   Contains("line 363: another run begins: another specimen or test is named"));
+        CHECK(importing::worst(all) == "every row is used, and nothing is doubtful");
+    }
+    CHECK(imported(stacked("Specimen,Disp (mm),Force (N)", false, 0.0)).runs.size() == 3);
+    // a clock that runs on, and a column that counts something else, are one test
+    const std::string on =
+        rowsBelow("Test,Time (s),Disp (mm),Force (N)", [](int i, double t, double way, double force) {
+            return std::to_string(i / 100) + "," + printed(t, 6) + "," + printed(way, 6) + "," + printed(force, 6);
+        });
+    CHECK(imported(on).runs.size() == 1);
+    const std::string each = rowsBelow("Run,Disp (mm),Force (N)", [](int i, double, double way, double force) {
+        return std::to_string(i / 2) + "," + printed(way, 6) + "," + printed(force, 6);
+    });
+    CHECK(imported(each).runs.size() == 1);
+}

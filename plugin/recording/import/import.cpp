@@ -166,6 +166,44 @@ Status checkColumns(const Signals& s, const Table& t) {
     return {};
 }
 
+/// Angles that jump by a turn, 176, 179, -178, go on instead, if that leaves no step of a quarter turn.
+void unwrap(Signals& signals, std::vector<Remark>& remarks) {
+    std::vector<double>* angle = signals.find(Quantity::Angle);
+    if (angle == nullptr)
+        return;
+    constexpr double kTurn = 2.0 * M_PI;
+    const std::vector<double>* time = signals.find(Quantity::Time);
+    std::vector<double> on = *angle;
+    double turns = 0.0, last = std::nan(""), lo = last, hi = last;
+    std::size_t jumps = 0, first = 0;
+    for (std::size_t i = 0; i < on.size(); ++i) {
+        if (!std::isfinite(on[i]))
+            continue;
+        lo = std::fmin(lo, on[i]);
+        hi = std::fmax(hi, on[i]);
+        if (std::binary_search(signals.breaks.begin(), signals.breaks.end(), i) ||
+            (time != nullptr && i > 0 && (*time)[i] < (*time)[i - 1])) { // another run
+            turns = 0.0;
+            last = std::nan("");
+        }
+        const double step = on[i] + turns * kTurn - last;
+        if (std::abs(step) > 0.5 * kTurn) {
+            turns += step > 0.0 ? -1.0 : 1.0;
+            first = jumps++ == 0 ? signals.line[i] : first;
+        }
+        on[i] += turns * kTurn;
+        if (std::abs(on[i] - last) > 0.25 * kTurn)
+            return; // too fast to tell which way it went
+        last = on[i];
+    }
+    if (jumps == 0 || hi - lo > (1.0 + 1e-6) * kTurn) // beyond a turn it counts on by itself
+        return;
+    *angle = std::move(on);
+    remarks.push_back({Kind::Corrected, first,
+                       "the angle jumps by a turn " + std::to_string(jumps) + (jumps == 1 ? " time" : " times") +
+                           ", here first: it is taken as going on"});
+}
+
 /// Runs of a table are added; a table of markers alone goes to the last run.
 Status addTable(const std::string& file, const Text& text, Table&& table, const Hints& hints, Imported& all) {
     Signals whole = std::move(table.signals);
@@ -179,6 +217,7 @@ Status addTable(const std::string& file, const Text& text, Table&& table, const 
     if (!onlyMarkers)
         if (Status complete = checkColumns(whole, source.table); !complete)
             return complete;
+    unwrap(whole, source.table.remarks);
     if (Status sound = checkWhole(whole, source.table, hints); !sound)
         return sound;
     source.candidates = source.table.candidates;

@@ -281,3 +281,26 @@ TEST_CASE("a column of specimens splits stacked tests wherever they start", "[im
     });
     CHECK(imported(each).runs.size() == 1);
 }
+
+TEST_CASE("wrapped angles go on", "[importing]") {
+    const auto swing = [](double amplitude, double wrapAt) {
+        std::string text = "time_s,angle_deg\n";
+        for (int i = 0; i < 1000; ++i) {
+            const double a = 170.0 + amplitude * std::sin(0.03 * i);
+            text += printed(0.01 * i, 3) + "," + printed(a > wrapAt ? a - 360.0 : a, 4) + "\n";
+        }
+        return text;
+    };
+    const auto all = imported(swing(30.0, 180.0));
+    const auto& a = *all.runs[0].signals.find(Quantity::Angle);
+    for (std::size_t i = 0; i < a.size(); ++i)
+        REQUIRE(180.0 / M_PI * a[i] == Approx(170.0 + 30.0 * std::sin(0.03 * static_cast<double>(i))).margin(1e-3));
+    CHECK_THAT(importing::account(all),
+               Contains("corrected  line 14: the angle jumps by a turn 10 times, here first: it is taken as going on"));
+    CHECK_THAT(accountOf(swing(30.0, 1e3)), !Contains("jumps by a turn")); // nothing is wrapped
+    // half a turn a row could have gone either way
+    std::string fast = "time_s,angle_deg\n";
+    for (int i = 0; i < 100; ++i)
+        fast += printed(0.01 * i, 3) + "," + std::to_string((i * 170) % 360) + "\n";
+    CHECK(imported(fast).runs[0].signals.find(Quantity::Angle)->at(3) == Approx(150.0 * M_PI / 180.0));
+}

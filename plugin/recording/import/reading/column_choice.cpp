@@ -215,7 +215,7 @@ Status checkUnit(Draft& d, std::vector<std::size_t>& candidates) {
         const bool weight = h.quantity == Quantity::Force && (h.unknownUnit == "kg" || h.unknownUnit == "g");
         if (h.twoUnits)
             return Status::failure(columnText(t, candidates.front()) + " has two units, " + h.unknownUnit +
-                                   ": in its name, and on the line of units; state the one that holds with --columns " +
+                                   ": in its name, and below it; state the one that holds with --columns " +
                                    columnsOf(t, t.layout.columns));
         return Status::failure(columnText(t, candidates.front()) + ": \"" + h.unknownUnit + "\" is no unit of " +
                                name(h.quantity) + "; expected one of " + unitsFor(h.quantity) +

@@ -1,5 +1,6 @@
 // From lines to channels.
 
+#include "plugin/recording/import/reading/cell_units.h"
 #include "plugin/recording/import/reading/decimal_marks.h"
 #include "plugin/recording/import/whole.h"
 
@@ -234,6 +235,23 @@ void readMarkedRows(const std::vector<std::string_view>& lines, const Table& bla
     t = std::move(again);
 }
 
+/// Units beside the numbers are those of the columns.
+Status addUnits(const BareLines& bare, Layout& l, const Hints& hints) {
+    if (bare.separator != l.separator)
+        return {};
+    for (std::size_t c = 0; c < std::min(l.columns, bare.units.size()); ++c) {
+        if (bare.units[c].empty())
+            continue;
+        if (!l.units[c].empty() && unitOf(l.units[c]).factor != unitOf(bare.units[c]).factor && hints.columns.empty())
+            return Status::failure(std::to_string(bare.first) + ":1: column " + std::to_string(c + 1) +
+                                   " has two units, " + l.units[c] + " on the line of units and " + bare.units[c] +
+                                   " beside its numbers; state the one that holds with --columns " +
+                                   exampleOfColumns(l.columns));
+        l.units[c] = bare.units[c];
+    }
+    return {};
+}
+
 void describe(const Text& text, const Layout& l, std::vector<Remark>& remarks) {
     std::string heads = l.namesLine > 0 ? "names on line " + std::to_string(l.namesLine) : "no names of columns";
     if (l.unitsLine > 0)
@@ -342,21 +360,30 @@ std::string exampleOfColumns(std::size_t columns) {
 
 Result<std::vector<Table>> readTables(const Text& text, const Hints& hints) {
     using Tables = Result<std::vector<Table>>;
-    const std::vector<std::string_view> lines = linesOf(text.utf8);
+    std::vector<std::string_view> lines = linesOf(text.utf8);
     const auto longest =
         std::max_element(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
     if (longest != lines.end() && longest->size() > kLongestLine)
         return Tables::failure(std::to_string(longest - lines.begin() + 1) + ":1: a line of " +
                                std::to_string(longest->size() >> 20) +
                                " MiB; expected a row of numbers, at most 1 MiB: is this a text of lines and columns?");
+    const auto bare = takeUnitsOff(lines);
+    if (!bare)
+        return Tables::failure(bare.error());
+    if (!bare->lines.empty())
+        lines.assign(bare->lines.begin(), bare->lines.end());
     auto layout = layoutOf(lines);
     if (!layout)
         return Tables::failure(layout.error());
+    if (Status agree = addUnits(*bare, *layout, hints); !agree)
+        return Tables::failure(agree.error());
     if (!text.otherEncoding.empty())
         layout->decisions.insert(layout->decisions.begin(),
                                  {"encoding", text.encoding, text.otherEncoding, text.encodingOdds, "--encoding"});
     std::vector<Remark> form;
     describe(text, *layout, form);
+    if (bare->first > 0)
+        form.push_back({Remark::Kind::Understood, bare->first, "units stand beside the numbers"});
     auto tables = chooseColumns(lines, *std::move(layout), hints);
     if (!tables)
         return tables;

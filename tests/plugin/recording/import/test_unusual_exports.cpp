@@ -304,3 +304,28 @@ TEST_CASE("wrapped angles go on", "[importing]") {
         fast += printed(0.01 * i, 3) + "," + std::to_string((i * 170) % 360) + "\n";
     CHECK(imported(fast).runs[0].signals.find(Quantity::Angle)->at(3) == Approx(150.0 * M_PI / 180.0));
 }
+
+TEST_CASE("units beside the numbers are those of the columns", "[importing]") {
+    const auto cells = [](const std::string& head, const char* length, double perMillimetre, const char* unitOfForce) {
+        return rowsBelow(head, [&](int, double t, double way, double force) {
+            return printed(t, 2, ',') + " s;" + printed(perMillimetre * way, 6, ',') + length + ";" +
+                   printed(force, 6, ',') + " " + unitOfForce + ";22,8 °C";
+        });
+    };
+    for (const auto& [length, perMillimetre] : {std::pair{" mm", 1.0}, {"µm", 1e3}}) {
+        const auto all =
+            imported(cells("Prüfgeschwindigkeit;30 mm/min\nZeit;Weg;Kraft;Temperatur", length, perMillimetre, "N"));
+        checkValues(all.runs[0]);
+        CHECK_THAT(importing::account(all), Contains("line 3: units stand beside the numbers") &&
+                                                Contains("column 3 \"Kraft\" is force [N]") &&
+                                                Contains("line 1: Prüfgeschwindigkeit: 30 mm/min"));
+    }
+    // two that contradict each other, and one that changes on the way
+    CHECK_THAT(errorOf(cells("Zeit;Weg;Kraft (kN);Temperatur", " mm", 1.0, "N")),
+               Contains("\"Kraft (kN)\" has two units, kN and N") &&
+                   Contains("--columns time[s],displacement[mm],force[N]"));
+    CHECK_THAT(errorOf(cells("Zeit;Weg;Kraft;Temperatur\ns;mm;kN;°C", " mm", 1.0, "N")),
+               Contains("has two units, kN on the line of units and N beside its numbers"));
+    CHECK_THAT(errorOf(with(cells("Zeit;Weg;Kraft;Temperatur", " mm", 1.0, "N"), "0,500000 N", "0,000500 kN")),
+               Contains("column 3 changes its unit from N to kN here; export again with one unit a column"));
+}

@@ -418,6 +418,27 @@ def test_a_ring_has_its_small_and_its_large_stiffness():
         ring.pressed(0.5)
 
 
+def test_an_arch_on_slippery_plates_has_the_small_stiffness_of_a_curved_beam(monkeypatch):
+    """Castigliano: d = F R^3 / (2 B) times the integral of (sin half - sin a)^2 from the apex to an end."""
+    program = pathlib.Path(os.environ.get("SYNTHETIC_CASES", TOP / "build/tests/synthetic_cases"))
+    if not program.exists():
+        pytest.skip(f"no {program}: build the target synthetic_cases")
+    monkeypatch.setenv("SYNTHETIC_CASES", str(program))
+    module = conceal.setup("arch_between_plates")
+    drawn = conceal.Specimen(module, conceal.draw_of(1, "x")).numbers
+    numbers = {name: v for (_, name), v in drawn.items()} | {"friction": 0.0}
+    radius = 1.0 / numbers["natural_curvature"]
+    half = 0.5 * numbers["arc_length"] / radius
+    run = Run(np.arange(0.0, 12.0 - 1e-9, 0.05), drive=((0, 1, 12), (0, 0, 1.1e-3)))
+    force, way = module.simulate(numbers, run, run.times, [])[0], np.interp(run.times, *run.drive)
+    press = way - way[np.argmax(force > 0.002)]
+    near = (press > 2e-5) & (press < 5e-4)
+    angle = np.linspace(0.0, half, 2001)
+    wanted = 2.0 * numbers["bending_modulus"] / (radius**3 * np.trapz((math.sin(half) - np.sin(angle))**2, angle))
+    # 1.3 % of it are the thickness at the ends, the weight and 100 edges
+    assert np.polyfit(press[near], force[near], 3)[2] == pytest.approx(wanted, rel=0.02)
+
+
 def test_a_released_cantilever_has_its_first_frequency():
     numbers = {"length": 0.3, "thickness": 1e-3, "width": 0.02, "young_modulus": 2e11, "density": 7800.0, "pull": 0.02}
     period = 2.0 * math.pi * 0.3**2 / 1.87510407**2 * math.sqrt(7800.0 * 12.0 / (2e11 * 1e-6))

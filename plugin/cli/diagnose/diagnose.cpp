@@ -74,10 +74,8 @@ void print(const diagnosis::Diagnosis& d, const std::string& folder) {
                 folder.c_str());
 }
 
-diagnosis::Ablation ablationOf(const std::vector<std::string>& mustBeat) {
-    const auto out = [&](const char* part) {
-        return std::find(mustBeat.begin(), mustBeat.end(), part) != mustBeat.end();
-    };
+diagnosis::Ablation ablationOf(const std::vector<std::string>& parts) {
+    const auto out = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
     return {out("whitening"), out("cross_validation"), out("screening"), out("open_set")};
 }
 

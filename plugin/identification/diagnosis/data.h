@@ -65,7 +65,7 @@ struct RecordedRun {
     /// Sets segments and strokes, and the segment of each row. Times of readings and markers must be set before.
     /// Neighbouring segments of one direction form one stroke, including dwells shorter than three rows. Each half
     /// oscillation of a free run is a stroke.
-    void setDrive(std::vector<DriveSegment> mustBeat);
+    void setDrive(std::vector<DriveSegment> drive);
 
 private:
     [[nodiscard]] std::size_t strokeOf(const std::vector<int>& rows, Eigen::Index row) const {

@@ -114,8 +114,9 @@ bool keptApart(const World& world, const Overlap& o, const Ends& e) {
            (e.outline >= 0 && vetoed(world, rodOf(world, e.rodA), world.outlines[static_cast<std::size_t>(e.outline)]));
 }
 
+/// Faces of an outline are ways of their own, and joined outlines have many: the last bit is that of all the others.
 std::uint32_t bitOf(contact::WayKind kind) {
-    return std::uint32_t{1} << static_cast<unsigned>(kind);
+    return std::uint32_t{1} << std::min(static_cast<unsigned>(kind), 31U);
 }
 
 /// The shortest way that is not blocked. One that gets no shorter in some time is.

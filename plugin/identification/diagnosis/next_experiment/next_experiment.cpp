@@ -141,12 +141,12 @@ private:
         for (RefitPair& p : pairs)
             if (p.separation.lowerBound() > 0.0)
                 active.push_back(&p);
-        std::vector<std::vector<PartLikelihood>> mustBeat(competing_.size()); // by the hypothesis assumed true
+        std::vector<std::vector<PartLikelihood>> own(competing_.size()); // by the hypothesis assumed true
         for (const RefitPair* p : active)
-            for (std::size_t s = mustBeat[p->truth].size(); s < series.size(); ++s) {
-                mustBeat[p->truth].push_back({series[s].run->likelihoodOf(p->truth, series[s].repeats), {}});
-                mustBeat[p->truth].back().derivatives =
-                    series[s].run->derivatives(*mustBeat[p->truth].back().likelihood, series[s].repeats);
+            for (std::size_t s = own[p->truth].size(); s < series.size(); ++s) {
+                own[p->truth].push_back({series[s].run->likelihoodOf(p->truth, series[s].repeats), {}});
+                own[p->truth].back().derivatives =
+                    series[s].run->derivatives(*own[p->truth].back().likelihood, series[s].repeats);
             }
         for (int i = 0; i < kMost && !active.empty() && !evaluator_.stopped(); ++i) {
             std::vector<ParameterPoint> points;
@@ -162,7 +162,7 @@ private:
                 double remaining = 0.0;
                 Eigen::VectorXd by = Eigen::VectorXd::Zero(d.cols());
                 for (std::size_t s = 0; s < series.size(); ++s) {
-                    const PartLikelihood& its = mustBeat[p.truth][s];
+                    const PartLikelihood& its = own[p.truth][s];
                     const Eigen::VectorXd difference =
                         series[s].run->difference(*its.likelihood, series[s].repeats, p.truth, responses[s][k]);
                     remaining += difference.size() > 0 ? difference.squaredNorm()

@@ -131,10 +131,10 @@ const DriveSegment& RecordedRun::segmentAt(double t) const {
     return segments[static_cast<std::size_t>(diagnosis::segmentAt(segments, t))];
 }
 
-void RecordedRun::setDrive(std::vector<DriveSegment> mustBeat) {
+void RecordedRun::setDrive(std::vector<DriveSegment> drive) {
     constexpr double kRows = 3.0;
     const double shortest = time.size() > 1 ? kRows * spacing() : 0.0; // s, shortest dwell that separates strokes
-    segments = std::move(mustBeat);
+    segments = std::move(drive);
     strokes.clear();
     for (std::size_t l = 0; l < segments.size(); ++l) {
         const DriveSegment& part = segments[l];

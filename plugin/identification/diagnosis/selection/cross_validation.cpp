@@ -71,7 +71,7 @@ std::vector<double> timesOf(const Likelihood& likelihood) {
 }
 
 /// Folds of a single loading run: intervals of time with equal numbers of rows. Readings of one time stay together.
-void splitByTime(Grouping& g, const Likelihood& likelihood, int mustBeat) {
+void splitByTime(Grouping& g, const Likelihood& likelihood, int parts) {
     const std::vector<double> time = timesOf(likelihood);
     std::vector<double> present;
     for (std::size_t k = 0; k < g.fold.size(); ++k)
@@ -82,9 +82,9 @@ void splitByTime(Grouping& g, const Likelihood& likelihood, int mustBeat) {
     for (std::size_t k = 0; k < g.fold.size(); ++k)
         if (g.fold[k] >= 0) {
             const long before = std::lower_bound(present.begin(), present.end(), time[k]) - present.begin();
-            g.fold[k] = g.block[k] = static_cast<int>(std::min<long>(mustBeat - 1, mustBeat * before / rows));
+            g.fold[k] = g.block[k] = static_cast<int>(std::min<long>(parts - 1, parts * before / rows));
         }
-    g.folds = g.blocks = mustBeat;
+    g.folds = g.blocks = parts;
 }
 
 /// Folds of runs: all runs of a specimen, or repeats, are left out together, as long as two folds remain.

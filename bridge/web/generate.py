@@ -20,7 +20,7 @@ HEADER = "supercircle.h"
 PUBLIC = ["load", "loadLab", "drawPicture", "SupercircleError"]
 SOURCES = ["../../plugin/graphics/picture/canvas.js", "loader/loader.js", "loader/calls.js", "package/parts.js", "package/world.js", "package/library.js",
            "package/laboratory.js"]
-NUMBERS = {"double": ("d", "number"), "int32_t": ("i", "number"), "uint32_t": ("i", "number"), "uint64_t": ("u", "bigint")}
+NUMBERS = {"double": ("d", "number"), "int32_t": ("i", "number"), "uint32_t": ("w", "number"), "uint64_t": ("u", "bigint")}
 ARRAYS = {"double": "Float64Array", "float": "Float32Array", "int32_t": "Int32Array", "uint8_t": "Uint8Array", "sc_point": "Float64Array"}
 # Numbers in a struct that say yes or no, and 64-bit members that are more than a count.
 GIVEN = {"uint8_t": "Uint8Array", "sc_point": "Points"}  # arrays that are given
@@ -48,7 +48,7 @@ class Api:
         self.structs = {s["name"]: s for s in everything["structs"]}
 
     def member(self, struct, m):
-        """(letter, TypeScript type) of a member: d number, i integer, f yes or no, n counter, u 64 bits, h handle, a struct."""
+        """(letter, TypeScript type) of a member: d number, i integer, w whole number, f yes or no, n counter, u 64 bits, h handle, a struct."""
         kind = m["type"]
         if kind in self.handles:
             return "h", "Handle"

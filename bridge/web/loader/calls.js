@@ -46,15 +46,19 @@ function number(value, name) {
   return Number(value);
 }
 
-function integer(value, name) {
+function integer(value, name, least = -0x80000000, most = 0x7fffffff) {
   const n = number(value, name);
-  if (!Number.isInteger(n) || Math.abs(n) > 0xffffffff) throw badInput(`${name} is ${n}, not a whole number of 32 bits`);
-  return n | 0;
+  if (!Number.isInteger(n) || n < least || n > most) throw badInput(`${name} is ${n}, not a whole number from ${least} to ${most}`);
+  return n;
 }
+
+/** Of 32 bits without a sign; a mask made with ~ is negative in JavaScript. */
+const whole = (value, name) => integer(value, name, -0x80000000, 0xffffffff) >>> 0;
 
 const writers = {
   d: (data, at, value, name) => data.setFloat64(at, number(value, name), true),
   i: (data, at, value, name) => data.setInt32(at, integer(value, name), true),
+  w: (data, at, value, name) => data.setUint32(at, whole(value, name), true),
   f: (data, at, value) => data.setInt32(at, value ? 1 : 0, true),
   n: (data, at, value) => data.setBigUint64(at, wide(value), true),
   u: (data, at, value) => data.setBigUint64(at, wide(value), true),
@@ -68,6 +72,7 @@ const writers = {
 const readers = {
   d: (data, at) => data.getFloat64(at, true),
   i: (data, at) => data.getInt32(at, true),
+  w: (data, at) => data.getUint32(at, true),
   f: (data, at) => data.getInt32(at, true) !== 0,
   n: (data, at) => Number(data.getBigUint64(at, true)),
   u: (data, at) => data.getBigUint64(at, true),
@@ -124,6 +129,7 @@ function copyArray(core, kind, at, count) {
 const putters = {
   d: (core, out, value, p) => out.push(number(value, p.name)),
   i: (core, out, value, p) => out.push(integer(value, p.name)),
+  w: (core, out, value, p) => out.push(whole(value, p.name)),
   u: (core, out, value) => out.push(wide(value)),
   t(core, out, value, p) {
     if (value === null || value === undefined) return out.push(0);

@@ -14,18 +14,29 @@ class Laboratory {
     this.coming ??= new Promise((resolve, reject) => {
       const script = document.createElement("script");
       script.src = "recording_module.js";
-      script.onload = async () => resolve({ ...recordingModule, bytes: await inflate(recordingModule.wasm) });
-      script.onerror = () => {
-        this.coming = undefined;
-        reject(new Error("recording_module.js is not beside this page: copy it from where the page came from"));
+      const missing = (what) => {
+        this.coming = undefined; // a later try may find it
+        script.remove();
+        reject(new Error(`recording_module.js ${what}: copy it from where the page came from`));
       };
+      script.onload = async () => {
+        try {
+          resolve({ ...recordingModule, bytes: await inflate(recordingModule.wasm) });
+        } catch {
+          missing("is damaged");
+        }
+      };
+      script.onerror = () => missing("is not beside this page");
       document.head.append(script);
     });
     return this.coming;
   }
 
+  /** A worker, begun once: requests that come while the module is on its way share it. */
   async start() {
     const { bytes } = await this.arrived();
+    if (this.worker)
+      return;
     const code = [$("library-code"), $("recording-worker-code")].map((part) => part.textContent);
     this.worker = new Worker(URL.createObjectURL(new Blob([code.join("\n")], { type: "text/javascript" })));
     this.worker.onmessage = ({ data }) => {
@@ -40,9 +51,10 @@ class Laboratory {
 
   /** {answer} or {error}. */
   async ask(kind, request) {
-    if (!this.worker)
-      await this.start();
     const id = this.next++;
+    await this.start();
+    if (id !== this.next - 1)
+      return { error: "stopped" }; // another request has come while the module was on its way
     return new Promise((resolve) => {
       this.waiting.set(id, resolve);
       this.worker.postMessage({ kind, id, request });
@@ -176,6 +188,8 @@ const recording = (() => {
   async function ask(kind, request) {
     const own = ++asked;
     busy(true);
+    if (laboratory.waiting.size > 0)
+      laboratory.stop(); // what came before is of no interest any more
     let result;
     try {
       result = await laboratory.ask(kind, request);

@@ -1,5 +1,5 @@
-// recordings.mjs: the second module imports and replays the shipped example as the native library does, to the bit; it is
-// stopped, and it refuses with a sentence.
+// recordings.mjs: the second module imports, replays and diagnoses the shipped example as the native library does, to the
+// bit; it is stopped, and it refuses with a sentence.
 
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
@@ -28,6 +28,13 @@ assert.equal(lab.diagnose({ file: "experiment.json", content: imported.files }).
 going = true;
 assert.deepEqual(lab.replay({ file: "experiment.json", content: imported.files }).curves, replayed.curves);
 
+// Two candidates of all, so that a diagnosis takes seconds.
+const catalogue = [...readFileSync(`${source}/docs/reference/effects.md`, "utf8").matchAll(/^\| \[(\w+)\]\(#\1\)/gm)].map((m) => m[1]);
+const few = { file: "experiment.json", content: imported.files, next_experiment: false, jobs: 1,
+  without: catalogue.filter((label) => label !== "machine_compliance" && label !== "sensor_gain") };
+const { diagnosis } = lab.diagnose(few);
+assert.ok(diagnosis.forward_runs > 10);
+
 const native = spawnSync("/usr/bin/python3", ["-c", `
 import json, sys
 try:
@@ -35,12 +42,15 @@ try:
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(77)
-print(json.dumps(lab._ask("sc_lab_replay", json.load(sys.stdin), None)["curves"]))
-`], { input: JSON.stringify({ file: "experiment.json", content: imported.files }), encoding: "utf8" });
+replay, diagnose = json.load(sys.stdin)
+print(json.dumps([lab._ask("sc_lab_replay", replay, None)["curves"], lab._ask("sc_lab_diagnose", diagnose, None)["diagnosis"]]))
+`], { input: JSON.stringify([{ file: "experiment.json", content: imported.files }, few]), encoding: "utf8" });
 if (native.status === 77) {
   console.log(native.stdout.trim());
   process.exit(77);
 }
 assert.equal(native.status, 0, native.stderr);
-assert.deepEqual(JSON.parse(native.stdout), replayed.curves);
-console.log(`${replayed.curves[0].simulated.length} readings, native equal`);
+const [curves, found] = JSON.parse(native.stdout);
+assert.deepEqual(curves, replayed.curves);
+assert.deepEqual({ ...found, timing: null }, { ...diagnosis, timing: null });
+console.log(`${replayed.curves[0].simulated.length} readings and a diagnosis, native equal`);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the tables of docs/results/diagnosis.md from the CSV files beside this script.
+"""Prints the tables of docs/results/diagnosis_earlier.md from the CSV files beside this script.
 
     print_tables.py                 prints every table as Markdown
     print_tables.py --check PAGE    exit 1 and a message if a table is missing from the page or differs

@@ -184,7 +184,7 @@ def claims(rows):
                 "no case", "median at most 3, none above 10 CPU minutes",
                 None if not rows else statistics.median(seconds) <= CPU_MEDIAN and max(seconds) <= CPU_MOST))
     count("another specimen is never a physics", of("swap"), lambda r: flag(r, "right"), 8, "8 of 8", 8)
-    count("nothing below one sigma is named", of("below"), 
+    count("nothing below one sigma is named", of("below"),
           lambda r: r["verdict"] in VERDICTS and r["verdict"] != "identified", 8, "8 of 8", 8)
     mean, expected, error = shuffled(rows)
     out.append(("the scorer gives nothing away", f"shuffled {mean:.3f}, frequencies {expected:.3f}",

@@ -394,6 +394,7 @@ std::string unitInName(std::string& text) {
     }
     return remark ? unitAtEnd(text) : std::string();
 }
+
 /// "min:sec", "hours:minutes:seconds"
 bool isClockFormat(std::string_view low) {
     constexpr std::array kParts = {"h", "hr",     "hour",    "hours", "m",    "min",    "mins",
@@ -456,7 +457,7 @@ Unit unitFor(std::string_view text, Quantity named) {
         if (way.measures == Quantity::Angle && time.measures == Quantity::Time)
             return {std::string(text), Quantity::AngularVelocity, way.factor / time.factor};
     }
-    if (const std::size_t mark = text.find_first_of("-_ "); low.back() == 'f' && mark != std::string_view::npos)
+    if (const std::size_t mark = text.find_first_of("-_ "); mark != std::string_view::npos && low.back() == 'f')
         if (Unit force = unitFor(std::string(text.substr(0, mark)) + std::string(text.substr(mark + 1)), named);
             force.measures == Quantity::Force) { // "lb-f"
             force.name = std::string(text);

@@ -3,6 +3,7 @@
 #include "plugin/recording/import/release_state.h"
 #include "plugin/recording/table/json_text.h"
 #include "plugin/scene/loader/loader.h"
+#include "plugin/scene/loader/shipped.h"
 
 #include <algorithm>
 #include <cmath>
@@ -173,16 +174,21 @@ Result<Description> describeFree(const Imported& all, const TemplateOptions& opt
                  "/sensors/angle_noise_std_deg_approx: half a step of the encoder"};
     if (!options.sceneFile.empty()) {
         std::vector<scene::Problem> problems;
-        const auto text = scene::readFile(options.sceneFile, problems);
-        const auto scene = text ? scene::loadText(*text, options.sceneFile, {}, problems)
-                                : Result<scene::Scene>::failure(text.error());
+        std::error_code missing;
+        std::string file = options.sceneFile;
+        if (!std::filesystem::is_regular_file(file, missing)) // the name of one that comes with the program
+            if (const std::string shipped = scene::shippedScene(file); !shipped.empty())
+                file = shipped;
+        const auto text = scene::readFile(file, problems);
+        const auto scene =
+            text ? scene::loadText(*text, file, {}, problems) : Result<scene::Scene>::failure(text.error());
         if (!scene) { // the first error says enough
             const auto first = std::find_if(problems.begin(), problems.end(), [](const scene::Problem& p) {
                 return p.severity == scene::Problem::Severity::Error;
             });
             return Answer::failure(first->toString());
         }
-        const std::string name = std::filesystem::path(options.sceneFile).filename().string();
+        const std::string name = std::filesystem::path(file).filename().string();
         json["scene"] = name;
         d.files.emplace_back(name, *text);
         std::vector<std::string> moving;

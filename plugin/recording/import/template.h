@@ -12,7 +12,7 @@ namespace supercircle::importing {
 struct TemplateOptions {
     std::string protocol;     ///< empty: not known
     std::string specimenFile; ///< JSON with a specimen, or with any part of an experiment; empty: none
-    std::string sceneFile{};  ///< scene of a free mechanism; empty: none
+    std::string sceneFile{};  ///< scene of a free mechanism, or the name of a shipped one; empty: none
 };
 
 struct Description {

@@ -158,7 +158,8 @@ Status checkUnusedClock(Draft& d, const Hints& hints) {
         }
         d.wrong = c;
         return Status::failure(what + "if it is one, state --columns " + columnsOf(t, c) +
-                               ", else --rate HZ or --speed MM_PER_S");
+                               ", else --rate HZ or --speed MM_PER_S; rows that were read at rest, such as "
+                               "deflections at weights, need no import: docs/reference/experiment_format.md, Tables");
     }
     return {};
 }

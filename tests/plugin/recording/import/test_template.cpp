@@ -171,3 +171,24 @@ TEST_CASE("sizes in the header of an export are those of the specimen", "[import
     CHECK(json["specimens"][0]["thickness_m"].get<double>() == Approx(0.0005));
     CHECK_THAT(joined(d->remarks), Contains("/specimens/0/width_m is 0.0125, from line 1 of the export"));
 }
+
+TEST_CASE("a shipped scene of a mechanism is found by its name, and lies beside the experiment", "[importing]") {
+    std::string swing = "time_s,angle_deg\n";
+    for (int i = 0; i < 200; ++i)
+        swing += std::to_string(0.02 * i) + "," + std::to_string(30.0 * std::cos(9.0 * 0.02 * i)) + "\n";
+    const auto all = read(swing);
+    REQUIRE(all);
+    importing::TemplateOptions options;
+    options.sceneFile = "pendulum";
+    const auto named = importing::describe(*all, options);
+    INFO(named.error());
+    REQUIRE(named);
+    options.sceneFile = std::string(SC_SOURCE_DIR) + "/scenes/pendulum.json";
+    const auto byPath = importing::describe(*all, options);
+    REQUIRE(byPath);
+    CHECK(named->json == byPath->json);
+    REQUIRE(named->files.size() == 1);
+    CHECK(named->files == byPath->files);
+    options.sceneFile = "pendulm";
+    CHECK_FALSE(importing::describe(*all, options));
+}

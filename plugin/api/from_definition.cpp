@@ -36,6 +36,11 @@ Status checkNumbers(const ShellDef& d) {
             return Status::failure("position, angle, velocity and spin must be finite");
     if (!(d.tip_refinement >= 0.01 && d.tip_refinement <= 100.0))
         return Status::failure("tip_refinement must lie between 0.01 and 100");
+    if (d.mass_at.size() > limits::kMostPointMasses)
+        return Status::failure("more than " + std::to_string(limits::kMostPointMasses) + " point masses on a shell");
+    for (const PointMassDef& m : d.mass_at)
+        if (!(m.arc_fraction >= 0.0 && m.arc_fraction <= 1.0))
+            return Status::failure("the arc fraction of a point mass must lie between 0 and 1");
     const auto count = static_cast<std::size_t>(d.elements);
     if ((!d.natural_curvature.empty() && d.natural_curvature.size() != count) ||
         (!d.curvature.empty() && d.curvature.size() != count))
@@ -58,6 +63,9 @@ Result<RodFromDefinition> fromDefinition(const ShellDef& d) {
     r.linearMass = d.density * d.width * d.thickness;
     r.bendingModulus = bending_modulus(d);
     r.closed = d.closed;
+    for (const PointMassDef& m : d.mass_at)
+        if (m.mass != 0.0 || m.inertia != 0.0)
+            r.pointMasses.push_back({m.arc_fraction * r.length, m.mass, m.inertia});
     if (d.tip_refinement != 1.0)
         r.elementLength = rod::gradedLengths(r.length, d.elements, d.tip_refinement);
     r.naturalCurvature = d.natural_curvature;

@@ -23,6 +23,7 @@ constexpr double kMostTurn = 8.0 * M_PI;
 constexpr int kFewestElements = 3; ///< one or two arcs cannot bend where they are pressed: no contact problem under a
                                    ///< load has a solution
 constexpr int kMostElements = 4096;
+constexpr std::size_t kMostPointMasses = 256; ///< on a shell
 constexpr double kMostFriction = 1e9;
 constexpr double kScale =
     1e30; ///< masses (kg) and B / length (N m): not larger than this, nor smaller than its inverse
@@ -55,12 +56,12 @@ inline bool impulse(const rod::RodModel& model, const Point& p, double angular) 
 /// The same for the motion of a rigid shell.
 inline bool motion(const rod::RodDefinition& d, const Point& v, double spin) {
     const double speed = math::hypot(v.x, v.y) + std::abs(spin) * d.length;
-    return d.linearMass * d.length * speed * speed < kMostEnergy;
+    return rod::massOf(d) * speed * speed < kMostEnergy;
 }
 /// Checks the sizes of a shell that passes rod::validate.
 inline Status shell(const rod::RodDefinition& d) {
     const auto within = [](double x, double low, double high) { return x > low && x < high; };
-    const double mass = d.linearMass * d.length;
+    const double mass = rod::massOf(d);
     if (!within(d.length, 1.0 / kFarthest, kFarthest) || !within(d.thickness, 1.0 / kFarthest, kFarthest) ||
         !within(mass, 1.0 / kScale, kScale) || !within(d.bendingModulus / d.length, 1.0 / kScale, kScale))
         return Status::failure(

@@ -62,8 +62,8 @@ Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>
 
 namespace {
 
-constexpr archive::FileKind kStateKind{"SCSTATE ", 13};
-constexpr archive::FileKind kLogKind{"SCCALLS ", 3};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 14};
+constexpr archive::FileKind kLogKind{"SCCALLS ", 4};
 
 /// Joints, what the host's joints do, and the numbers that the next part and the next sleeping island get.
 Status checkParts(const step::World& w) {

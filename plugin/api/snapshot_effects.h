@@ -20,7 +20,8 @@ void demand(Ar& ar, bool possible) {
 inline bool within(double value, double least, double most) {
     return value >= least && value <= most; // false for NaN
 }
-inline bool possible(const effects::SplineCoefficients& c, double least, double most) {
+template <std::size_t N>
+bool possible(const std::array<double, N>& c, double least, double most) {
     return std::all_of(c.begin(), c.end(), [&](double v) { return within(v, least, most); });
 }
 inline constexpr double kFinite = std::numeric_limits<double>::max();
@@ -43,17 +44,18 @@ void io(Ar& ar, Is<effects::Profile> auto& p) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::ElasticModel> auto& b) {
-    auto& [law, knee, exponent, learned] = b;
-    ar(law, knee, exponent, learned);
-    demand(ar, possible(learned, -0.95, 100.0) && law <= effects::ElasticModel::Law::Learned &&
-                   within(knee, 1e-3, kOrInfinite) && within(exponent, 1.0, 50.0));
+    auto& [law, knee, exponent, learned, table] = b;
+    ar(law, knee, exponent, learned, table);
+    demand(ar, possible(learned, -0.95, 100.0) && possible(table, -0.99, 1e3) &&
+                   law <= effects::ElasticModel::Law::Table && within(knee, 1e-3, kOrInfinite) &&
+                   within(exponent, 1.0, 50.0));
 }
 
 template <class Ar>
 void io(Ar& ar, Is<effects::MaxwellBranch> auto& b) {
     auto& [stiffness, time] = b;
     ar(stiffness, time);
-    demand(ar, within(stiffness, 0.0, 1e3) && within(time, 1e-6, 1e9));
+    demand(ar, within(stiffness, 0.0, 1e9) && within(time, 1e-9, 1e9));
 }
 
 template <class Ar>
@@ -76,14 +78,20 @@ void io(Ar& ar, Is<effects::DragModel> auto& m) {
 template <class Ar>
 void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
     auto& [staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
-           wearLearned, rateCurve, wearCurve] = m;
-    ar(staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
-       wearLearned, rateCurve, wearCurve);
-    demand(ar, possible(rateCurve, -0.95, 100.0) && possible(wearCurve, -0.95, 100.0));
+           wear, rateCurve, wearCurve, rateTable, wearTable, direct, evolution, stateSlip, stateSpeed, stateCreep,
+           stateRest, stateBySlip] = m;
+    ar(staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance, wear,
+       rateCurve, wearCurve, rateTable, wearTable, direct, evolution, stateSlip, stateSpeed, stateCreep, stateRest,
+       stateBySlip);
+    demand(ar, possible(rateCurve, -0.95, 100.0) && possible(wearCurve, -0.95, 100.0) &&
+                   possible(rateTable, -0.99, 1e3) && possible(wearTable, -0.99, 1e3) &&
+                   wear <= effects::FrictionModel::Wear::Table);
     demand(ar, within(staticRatio, 1.0, 100.0) && within(slipWeakening, 1e-7, 1.0) && within(healing, 1e-6, 1e9) &&
-                   within(presliding, 0.0, 1e-2) && rate <= effects::FrictionModel::Rate::Learned &&
+                   within(presliding, 0.0, 1e-2) && rate <= effects::FrictionModel::Rate::Table &&
                    within(rateStrength, -0.95, 100.0) && within(rateSpeed, 1e-9, 1e3) &&
                    within(wearChange, -0.95, 100.0) && within(wearDistance, 1e-6, 1e6));
+    demand(ar, within(direct, 0.0, 1.0) && within(evolution, 0.0, 1.0) && within(stateSlip, 1e-9, 1.0) &&
+                   within(stateSpeed, 1e-9, 1e3) && within(stateCreep, 1e-12, 1e3) && within(stateRest, 1e-6, 1e9));
 }
 
 template <class Ar>
@@ -109,9 +117,10 @@ void io(Ar& ar, Is<effects::ContactModel> auto& m) {
 
 template <class Ar>
 void io(Ar& ar, Is<effects::Site> auto& s) {
-    auto& [weakened, slid, speed] = s;
-    ar(weakened, slid, speed);
-    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kFinite) && within(speed, -kFinite, kFinite));
+    auto& [weakened, slid, speed, age] = s;
+    ar(weakened, slid, speed, age);
+    demand(ar, within(weakened, 0.0, 1.0 + 1e-9) && within(slid, 0.0, kFinite) && within(speed, -kFinite, kFinite) &&
+                   within(age, 0.0, kFinite));
 }
 
 template <class Ar>

@@ -74,13 +74,19 @@ void io(Ar& ar, Is<MaterialDef> auto& d) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<PointMassDef> auto& p) {
+    auto& [arcFraction, mass, inertia] = p;
+    ar(arcFraction, mass, inertia);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<ShellDef> auto& d) {
     auto& [position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density,
-           youngModulus, mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask, group,
-           frictionMaterial, userData, name] = d;
+           youngModulus, massAt, mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask,
+           group, frictionMaterial, userData, name] = d;
     ar(position, angle, length, phiBar, radius, naturalCurvature, curvature, thickness, width, density, youngModulus,
-       mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask, group, frictionMaterial,
-       userData, name);
+       massAt, mu, dampingRatio, elements, tipRefinement, closed, velocity, spin, category, mask, group,
+       frictionMaterial, userData, name);
 }
 
 template <class Ar>

@@ -11,9 +11,15 @@
 namespace supercircle::archive {
 
 template <class Ar>
+void io(Ar& ar, Is<rod::PointMass> auto& p) {
+    auto& [s, mass, inertia] = p;
+    ar(s, mass, inertia);
+}
+
+template <class Ar>
 void io(Ar& ar, Is<rod::RodDefinition> auto& d) {
-    auto& [length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength] = d;
-    ar(length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength);
+    auto& [length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength, pointMasses] = d;
+    ar(length, thickness, linearMass, bendingModulus, naturalCurvature, closed, elementLength, pointMasses);
 }
 
 template <class Ar>
@@ -146,7 +152,7 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
     if constexpr (Ar::kLoads) { // kin and gauss are functions of q
         const auto n = model.dofs();
         if (q.size() != n || v.size() != n || lastAccepted.size() != n ||
-            static_cast<int>(u.size()) != model.gaussPoints() || !q.allFinite() || !lastAccepted.allFinite()) {
+            static_cast<int>(u.size()) != model.massPoints() || !q.allFinite() || !lastAccepted.allFinite()) {
             ar.fail("a shell in it has the wrong number of coordinates, or some that are not finite");
             q.setZero(n);
         }

@@ -44,7 +44,7 @@ Measurement measureRod() {
     rod::GaussField gauss;
     Eigen::MatrixXd mass(shell.model.dofs(), shell.model.dofs());
     Eigen::VectorXd momentum(shell.model.dofs()), force(shell.model.dofs());
-    const std::vector<Vec2> u(static_cast<std::size_t>(shell.model.gaussPoints()), Vec2(0.01, -0.02));
+    const std::vector<Vec2> u(static_cast<std::size_t>(shell.model.massPoints()), Vec2(0.01, -0.02));
     return repeat("rod_evaluate", [&] {
         kin.evaluate(shell.model, shell.q);
         rod::evaluateGauss(shell.model, kin, gauss);

@@ -80,6 +80,7 @@ struct DiagnoseArguments {
     std::string out;                  ///< folder; empty: out/<name of the experiment's folder>_diagnosis
     int jobs = 0;                     ///< simulations at a time, 0: as many as there are cores
     std::int64_t seed = 1;            ///< not negative
+    std::vector<std::string> effects; ///< laws of the user: NAME:FORMULA, NAME:PARAMETER=START
     std::vector<std::string> without; ///< effects left out of the catalogue
     std::vector<std::string> ablate;  ///< parts left out: whitening, cross_validation, screening, open_set
     double timeLimit = 10.0;          ///< minutes, 0: none

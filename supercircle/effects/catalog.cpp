@@ -26,7 +26,9 @@ const std::vector<Effect>& catalog() {
                                              bearingFriction(),
                                              airDrag(),
                                              guideFriction(),
-                                             nonlinearSpring()};
+                                             nonlinearSpring(),
+                                             rateAndStateFriction(),
+                                             supportSettlement()};
     return kAll;
 }
 

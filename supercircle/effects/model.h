@@ -40,6 +40,8 @@ enum class Key : std::uint8_t {
     AirDrag,
     GuideFriction,
     NonlinearSpring,
+    RateAndStateFriction,
+    SupportSettlement,
     Count
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
@@ -77,11 +79,12 @@ struct Profile {
 
 /// Elastic moment over curvature change, per bending modulus.
 struct ElasticModel {
-    enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood, Learned };
+    enum class Law : std::uint8_t { Linear, Softening, Stiffening, RambergOsgood, Learned, Table };
     Law law = Law::Linear;
     double knee = std::numeric_limits<double>::infinity(); ///< u_c; for a learned law the end of its range, 1/m
     double exponent = 3.0;                                 ///< n of Ramberg-Osgood, 1
     SplineCoefficients learned{};                          ///< tangent modulus / B - 1 against |u| / u_c, 1
+    TableCoefficients table{};                             ///< the same of a table, 1
     bool operator==(const ElasticModel&) const = default;
 };
 
@@ -120,20 +123,32 @@ struct DragModel {
 
 /// How the friction coefficient of a contact depends on its state, as factors of the declared one.
 struct FrictionModel {
-    enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous, Learned };
+    enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous, Learned, Table };
+    enum class Wear : std::uint8_t { Exponential, Learned, Table };
     double staticRatio = 1.0;    ///< mu_s / mu_k, 1
     double slipWeakening = 1e-4; ///< D_c, m
     double healing = 1.0;        ///< time constant at rest after which the excess has recovered, s
     double presliding = 0.0;     ///< elastic motion of a contact before it slides, m; 0: none
     Rate rate = Rate::Stribeck;
     double rateStrength = 0.0; ///< relative change, 1
-    double rateSpeed = 1e-3;   ///< m/s; for a learned law the middle of its four decades
+    double rateSpeed = 1e-3;   ///< m/s; of a learned law the middle of its four decades, of a table of six
     double wearChange = 0.0;   ///< relative change in the end, 1
-    double wearDistance = 0.1; ///< m; for a learned law the end of its range
-    bool wearLearned = false;
+    double wearDistance = 0.1; ///< m; of a learned law or a table the end of its range
+    Wear wear = Wear::Exponential;
     SplineCoefficients rateCurve{}, wearCurve{}; ///< of learned laws, 1
+    TableCoefficients rateTable{}, wearTable{};  ///< of tables, 1
+    double direct = 0.0;                         ///< of rate and state: a over the declared coefficient, 1
+    double evolution = 0.0;                      ///< b over the declared coefficient, 1
+    double stateSlip = 1e-5;                     ///< D_c, m
+    double stateSpeed = 1e-3;                    ///< V0, of steady sliding with the declared coefficient, m/s
+    double stateCreep = 1e-7;                    ///< speed below which friction does not depend on it, m/s
+    double stateRest = 60.0;                     ///< age of the contacts of a rested surface, s
+    bool stateBySlip = false;                    ///< slip law instead of ageing law
 
-    [[nodiscard]] bool on() const { return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0; }
+    [[nodiscard]] bool rateAndState() const { return direct != 0.0 || evolution != 0.0; }
+    [[nodiscard]] bool on() const {
+        return staticRatio != 1.0 || rateStrength != 0.0 || wearChange != 0.0 || rateAndState();
+    }
     bool operator==(const FrictionModel&) const = default;
     [[nodiscard]] bool compliant() const { return staticRatio != 1.0 && presliding > 0.0; }
 };
@@ -177,11 +192,12 @@ struct ApparatusModel {
     double backlash = 0.0;    ///< travel lost at a reversal, m
     double slack = 0.0;       ///< travel lost where the force changes its sign, m
     double slackForce = 1e-3; ///< force scale over which the slack is taken up, N
+    double bedding = 0.0;     ///< travel lost for good, over the largest force so far, m/N
     double offset = 0.0;      ///< sideways position of what the crosshead carries, m
     double tilt = 0.0;        ///< its rotation, rad
 
     [[nodiscard]] bool on() const {
-        return compliance > 0.0 || backlash > 0.0 || slack > 0.0 || offset != 0.0 || tilt != 0.0;
+        return compliance > 0.0 || backlash > 0.0 || slack > 0.0 || bedding > 0.0 || offset != 0.0 || tilt != 0.0;
     }
 };
 

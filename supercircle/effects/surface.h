@@ -16,6 +16,7 @@ struct Site {
     double weakened = 0.0; ///< 1 - w: fraction of the static excess lost by slip, 1
     double slid = 0.0;     ///< accumulated slip, m
     double speed = 0.0;    ///< of slip in the last step, m/s
+    double age = 0.0;      ///< theta of rate and state friction, s
 };
 
 /// Contact effects on a rod and their state: plain data.
@@ -27,7 +28,7 @@ struct Surface {
 };
 
 Surface makeSurface(const rod::RodModel& rod, const ContactModel& model);
-/// Resets the state as after a long rest: fully healed; wear stays.
+/// Resets the state as after a long rest: fully healed, contacts as old as the model says; wear stays.
 void applyLongRest(Surface& surface);
 
 /// Nearest site to arc length s (m).

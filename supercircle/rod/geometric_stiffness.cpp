@@ -81,12 +81,25 @@ void addUniformStiffness(const RodModel& model, const Kinematics& kin, const Gau
                 e += field.mass[h] * field.own[h];
                 ee += field.mass[h] * chordSecondDerivative(arc, l * RodModel::kGaussNode[i]);
             }
+            const auto [begin, stop] = model.carriedOn(side, static_cast<std::size_t>(k));
+            for (std::size_t i = begin; i < stop; ++i) {
+                const CarriedPoint& p = model.carried()[i];
+                const std::size_t h = static_cast<std::size_t>(model.gaussPoints()) + i;
+                e += field.mass[h] * field.own[h];
+                ee += field.mass[h] *
+                      (chordSecondDerivative(arc, p.local) - p.local * p.local * p.ahead * arc.tangentAt(p.local));
+            }
             const Vec2 end = arc.pointAt(l) - kin.middle();
             addInnerCouplings(model, side, k, a.dot(perp(e) - l * (first - mass * c)), K);
             K(seg.dof, seg.dof) -= a.dot(ee + mass * chordSecondDerivative(arc, l) - l * l * (first - mass * end));
             const double m = lambda * std::abs(l);
             first += m * c;
             mass += m;
+            for (std::size_t i = begin; i < stop; ++i) {
+                const std::size_t h = static_cast<std::size_t>(model.gaussPoints()) + i;
+                first += field.mass[h] * field.arm[h];
+                mass += field.mass[h];
+            }
         }
         spin += a.dot(first);
     }

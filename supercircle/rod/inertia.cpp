@@ -1,5 +1,7 @@
 #include "supercircle/rod/inertia.h"
 
+#include "supercircle/rod/geometric_stiffness.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -78,18 +80,31 @@ struct SegmentView {
     const Segment* seg;
     int base;      ///< first Gauss index
     Vec2 centroid; ///< relative to the middle
+    std::size_t firstCarried, endCarried;
 };
+
+/// Visits the points at which the mass of a segment sits.
+template <class Visit>
+void forMass(const SegmentView& s, Visit&& visit) {
+    const auto base = static_cast<std::size_t>(s.base);
+    for (std::size_t i = 0; i < RodModel::kGauss; ++i)
+        visit(base + i);
+    for (std::size_t g = s.firstCarried; g < s.endCarried; ++g)
+        visit(g);
+}
 
 SegmentView view(const RodModel& model, const Kinematics& kin, int side, int k) {
     const int offset = side == 0 ? 0 : static_cast<int>(model.side(0).size());
+    const auto [first, end] = model.carriedOn(side, static_cast<std::size_t>(k));
+    const auto before = static_cast<std::size_t>(model.gaussPoints());
     return {&model.side(side)[static_cast<std::size_t>(k)], RodModel::kGauss * (offset + k),
-            kin.centroid(side, k) - kin.middle()};
+            kin.centroid(side, k) - kin.middle(), before + first, before + end};
 }
 
 } // namespace
 
 void evaluateGauss(const RodModel& model, const Kinematics& kin, GaussField& field) {
-    const auto n = static_cast<std::size_t>(model.gaussPoints());
+    const auto n = static_cast<std::size_t>(model.massPoints());
     field.arm.resize(n);
     field.own.resize(n);
     field.mass.resize(n);
@@ -109,6 +124,13 @@ void evaluateGauss(const RodModel& model, const Kinematics& kin, GaussField& fie
                 field.mass[g] = m * RodModel::kGaussWeight[i];
             }
         }
+    for (const CarriedPoint& c : model.carried()) {
+        const Arc& arc = kin.segmentArc(c.side, c.segment);
+        const Vec2 ahead = c.ahead * arc.tangentAt(c.local);
+        field.arm[g] = arc.pointAt(c.local) + ahead - kin.middle();
+        field.own[g] = arc.chordCurvatureDerivative(c.local) + c.local * perp(ahead);
+        field.mass[g++] = c.mass;
+    }
 }
 
 void massMatrix(const RodModel& model, const Kinematics& kin, const GaussField& field, Eigen::MatrixXd& M) {
@@ -122,8 +144,7 @@ void massMatrix(const RodModel& model, const Kinematics& kin, const GaussField& 
             const SegmentView v = view(model, kin, side, k);
             OwnSums own;
             Moments inside;
-            for (int i = 0; i < RodModel::kGauss; ++i) {
-                const auto g = static_cast<std::size_t>(v.base + i);
+            forMass(v, [&](std::size_t g) {
                 const double m = field.mass[g];
                 own.e += m * field.own[g];
                 own.turn += m * cross(field.arm[g], field.own[g]);
@@ -131,7 +152,7 @@ void massMatrix(const RodModel& model, const Kinematics& kin, const GaussField& 
                 inside.mass += m;
                 inside.first += m * field.arm[g];
                 inside.second += m * field.arm[g].squaredNorm();
-            }
+            });
             const double f = v.seg->signedLength;
             const int d = v.seg->dof;
             const Vec2 lever = beyond.first - beyond.mass * v.centroid;
@@ -180,13 +201,12 @@ void momentum(const RodModel& model, const Kinematics& kin, const GaussField& fi
             const SegmentView v = view(model, kin, side, k);
             Vec2 pushInside = Vec2::Zero();
             double turnInside = 0.0, ownWork = 0.0;
-            for (int i = 0; i < RodModel::kGauss; ++i) {
-                const auto g = static_cast<std::size_t>(v.base + i);
+            forMass(v, [&](std::size_t g) {
                 const Vec2 mu = field.mass[g] * u[g];
                 pushInside += mu;
                 turnInside += cross(field.arm[g], mu);
                 ownWork += field.own[g].dot(mu);
-            }
+            });
             p[v.seg->dof] += v.seg->signedLength * (turn - cross(v.centroid, push)) + ownWork;
             push += pushInside;
             turn += turnInside;
@@ -208,10 +228,7 @@ void velocityField(const RodModel& model, const Kinematics& kin, const GaussFiel
         for (int k = 0; k < static_cast<int>(model.side(side).size()); ++k) {
             const SegmentView s = view(model, kin, side, k);
             const double rate = v[s.seg->dof];
-            for (int i = 0; i < RodModel::kGauss; ++i) {
-                const auto g = static_cast<std::size_t>(s.base + i);
-                u[g] = drift + turn * perp(field.arm[g]) + rate * field.own[g];
-            }
+            forMass(s, [&](std::size_t g) { u[g] = drift + turn * perp(field.arm[g]) + rate * field.own[g]; });
             const double rotation = s.seg->signedLength * rate;
             drift -= rotation * perp(s.centroid);
             turn += rotation;
@@ -245,9 +262,18 @@ void inertialForce(const RodModel& model, const Kinematics& kin, const GaussFiel
                 pushInside += mu;
                 ownPower += mu.dot(turn * perp(field.own[g]) + rate * (along[i] * t + across[i] * normal));
             }
-            // The arm of all beyond is measured from the centroid of the segment, which moves as its mass does.
+            // The arm of all beyond is measured from the centroid of the segment, which moves as its own mass does.
             force[s.seg->dof] += length * cross(push, pushInside) / mass + ownPower;
             push += pushInside;
+            for (std::size_t g = s.firstCarried; g < s.endCarried; ++g) {
+                const CarriedPoint& c = model.carried()[g - static_cast<std::size_t>(model.gaussPoints())];
+                const Arc& arc = kin.segmentArc(side, k);
+                const Vec2 bending =
+                    chordSecondDerivative(arc, c.local) - c.local * c.local * c.ahead * arc.tangentAt(c.local);
+                const Vec2 mu = field.mass[g] * u[g];
+                force[s.seg->dof] += mu.dot(turn * perp(field.own[g]) + rate * bending);
+                push += mu;
+            }
         }
         total += push;
     }
@@ -265,15 +291,16 @@ void uniformForce(const RodModel& model, const Kinematics& kin, const GaussField
         for (int k = static_cast<int>(model.side(side).size()) - 1; k >= 0; --k) {
             const SegmentView v = view(model, kin, side, k);
             double ownWork = 0.0;
-            for (int i = 0; i < RodModel::kGauss; ++i) {
-                const auto g = static_cast<std::size_t>(v.base + i);
-                ownWork += field.mass[g] * field.own[g].dot(acceleration);
-            }
+            forMass(v, [&](std::size_t g) { ownWork += field.mass[g] * field.own[g].dot(acceleration); });
             const double f = v.seg->signedLength;
             force[v.seg->dof] += f * cross(first - mass * v.centroid, acceleration) + ownWork;
             const double m = lambda * std::abs(f);
             first += m * v.centroid; // the centroid of a uniform arc is its centre of mass
             mass += m;
+            for (std::size_t g = v.firstCarried; g < v.endCarried; ++g) {
+                first += field.mass[g] * field.arm[g];
+                mass += field.mass[g];
+            }
         }
         spin += cross(first, acceleration);
     }

@@ -1,7 +1,8 @@
 #pragma once
 // Mass matrix, momenta and velocity fields of a rod.
 //
-// All integrals over the rod use the same Gauss points (RodModel::kGauss per segment, exact to round-off for arcs).
+// All integrals over the rod use the same points: Gauss points (RodModel::kGauss per segment, exact to round-off for
+// arcs), and those that carry point masses.
 // Hence
 //     v . (M v - p) = change of kinetic energy + 1/2 |u_new - u_old|^2
 // holds to round-off, which the energy balance relies on. M is assembled from the mass moments of everything beyond
@@ -11,7 +12,7 @@
 
 namespace supercircle::rod {
 
-/// Gauss-point data of one configuration.
+/// The points of one configuration: Gauss points, then those that carry point masses.
 struct GaussField {
     std::vector<Vec2> arm;    ///< position minus the middle, m; side 0 outward, then side 1 outward
     std::vector<Vec2> own;    ///< derivative by the curvature of the point's own segment, inner end fixed, m^2

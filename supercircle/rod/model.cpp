@@ -62,7 +62,20 @@ std::string validate(const RodDefinition& d) {
     for (double k : d.naturalCurvature)
         if (!std::isfinite(k))
             return "natural curvature must be finite";
+    for (const PointMass& p : d.pointMasses) {
+        if (!(p.s >= 0.0 && p.s <= d.length) || !(p.mass >= 0.0) || !std::isfinite(p.mass) || !(p.inertia >= 0.0))
+            return "a point mass must lie on the rod, and neither mass nor inertia be negative or infinite";
+        if (!(p.inertia <= p.mass * d.length * d.length))
+            return "the radius of gyration of a point mass must not exceed the length of the rod";
+    }
     return checkLengths(d);
+}
+
+double massOf(const RodDefinition& d) {
+    double mass = d.linearMass * d.length;
+    for (const PointMass& p : d.pointMasses)
+        mass += p.mass;
+    return mass;
 }
 
 std::vector<double> gradedLengths(double length, int elements, double tipRefinement) {
@@ -101,6 +114,39 @@ RodModel::RodModel(RodDefinition definition) : definition_(std::move(definition)
         sides_[0].push_back({i, dofOfElement(i), nodeS(i), elementLength(i)});
     for (int i = half - 1; i >= 0; --i)
         sides_[1].push_back({i, dofOfElement(i), nodeS(i + 1), -elementLength(i)});
+    mass_ = massOf(definition_);
+    carryPointMasses();
+}
+
+/// An inertia is two halves of the mass at the radius of gyration before and behind the place, which turn with it:
+/// kinetic energy m |u|^2 / 2 + J w^2 / 2 of the speed and the spin there, exactly.
+void RodModel::carryPointMasses() {
+    for (const PointMass& p : definition_.pointMasses) {
+        const int which = p.s >= midS() ? 0 : 1;
+        const std::vector<Segment>& list = sides_[which];
+        std::size_t k = 0; // at a node the inner segment
+        while (k + 1 < list.size() && std::abs(p.s - midS()) > std::abs(list[k + 1].innerS - midS()))
+            ++k;
+        const double local = p.s - list[k].innerS, radius = p.mass > 0.0 ? std::sqrt(p.inertia / p.mass) : 0.0;
+        const int segment = static_cast<int>(k);
+        if (radius > 0.0) {
+            carried_.push_back({which, segment, local, radius, 0.5 * p.mass});
+            carried_.push_back({which, segment, local, -radius, 0.5 * p.mass});
+        } else if (p.mass > 0.0) {
+            carried_.push_back({which, segment, local, 0.0, p.mass});
+        }
+    }
+    if (carried_.empty())
+        return;
+    std::stable_sort(carried_.begin(), carried_.end(), [](const CarriedPoint& a, const CarriedPoint& b) {
+        return a.side != b.side ? a.side < b.side : a.segment < b.segment;
+    });
+    const std::size_t segments = sides_[0].size() + sides_[1].size();
+    firstCarried_.assign(segments + 1, 0);
+    for (const CarriedPoint& c : carried_)
+        ++firstCarried_[static_cast<std::size_t>(c.segment) + (c.side == 0 ? 0 : sides_[0].size()) + 1];
+    for (std::size_t k = 0; k < segments; ++k)
+        firstCarried_[k + 1] += firstCarried_[k];
 }
 
 void RodModel::computeLengths() {

@@ -11,9 +11,18 @@
 #include "supercircle/rod/arc.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace supercircle::rod {
+
+/// A small heavy body on the rod, such as an accelerometer: it moves with its section and does not stiffen the rod.
+struct PointMass {
+    double s = 0.0;       ///< arc length of its place, m
+    double mass = 0.0;    ///< kg
+    double inertia = 0.0; ///< about its place, kg m^2
+    bool operator==(const PointMass&) const = default;
+};
 
 /// What a rod is made of; SI units.
 struct RodDefinition {
@@ -25,7 +34,11 @@ struct RodDefinition {
     bool closed = false;                  ///< both ends welded together: a ring
     /// Per element, m, mirrored about the middle, with the sum `length`; empty: all equal.
     std::vector<double> elementLength;
+    std::vector<PointMass> pointMasses;
 };
+
+/// Of the rod and what it carries, kg.
+double massOf(const RodDefinition& definition);
 
 /// Element lengths (m) in geometric progression from the middle to the tips, mirrored. The middle elements are
 /// `tipRefinement` (> 0) times as long as those at the tips; 1: all equal; below 1: short elements in the middle.
@@ -45,6 +58,14 @@ struct Segment {
     int dof = 0;               ///< index of its curvature in q
     double innerS = 0.0;       ///< rod arc length of its inner end, m
     double signedLength = 0.0; ///< m, negative left of the middle
+};
+
+/// A part of a point mass. A body with inertia is two halves, rigidly before and behind its place.
+struct CarriedPoint {
+    int side = 0, segment = 0;
+    double local = 0.0; ///< arc length from the segment's inner end, signed as the segment's, m
+    double ahead = 0.0; ///< along the tangent there, m
+    double mass = 0.0;  ///< kg
 };
 
 class RodModel {
@@ -78,20 +99,34 @@ public:
     [[nodiscard]] int elementAt(double s) const;
     [[nodiscard]] double midS() const { return 0.5 * definition_.length; }
     [[nodiscard]] const RodDefinition& definition() const { return definition_; }
-    [[nodiscard]] double mass() const { return definition_.linearMass * definition_.length; }
+    [[nodiscard]] double mass() const { return mass_; }
+    /// Points that carry the point masses, in the order of sides and segments.
+    [[nodiscard]] const std::vector<CarriedPoint>& carried() const { return carried_; }
+    /// Those of one segment: the first one, and the one after the last.
+    [[nodiscard]] std::pair<std::size_t, std::size_t> carriedOn(int side, std::size_t segment) const {
+        if (carried_.empty())
+            return {0, 0};
+        const std::size_t k = segment + (side == 0 ? 0 : sides_[0].size());
+        return {firstCarried_[k], firstCarried_[k + 1]};
+    }
     /// side 0: towards the last tip (s > mid), side 1: towards the first tip.
     [[nodiscard]] const std::vector<Segment>& side(int which) const { return sides_[which]; }
+    /// Points at which the mass of the rod sits: Gauss points, then those that carry point masses.
+    [[nodiscard]] int massPoints() const { return gaussPoints() + static_cast<int>(carried_.size()); }
     [[nodiscard]] int gaussPoints() const { return kGauss * static_cast<int>(sides_[0].size() + sides_[1].size()); }
 
 private:
     void computeLengths();
+    void carryPointMasses();
 
     RodDefinition definition_;
     int elements_ = 0;
     bool equal_ = true;
     std::vector<double> lengths_;
     std::vector<double> nodeS_;
-    double longest_ = 0.0, radius_ = 0.0;
+    double longest_ = 0.0, radius_ = 0.0, mass_ = 0.0;
+    std::vector<CarriedPoint> carried_;
+    std::vector<std::size_t> firstCarried_; ///< of each segment; empty: there are none
     std::vector<Segment> sides_[2];
 };
 

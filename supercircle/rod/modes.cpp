@@ -25,7 +25,7 @@ Eigen::VectorXd circularFrequencies(const RodModel& model, const Eigen::VectorXd
     const Eigen::VectorXd squares = dense::generalisedEigenvalues(Z.transpose() * K * Z, Z.transpose() * M * Z);
     // The slowest mode that any hold leaves a rod is far above this, and round-off far below.
     const double L = model.definition().length;
-    const double rigid = 1e-3 * model.definition().bendingModulus / (model.definition().linearMass * L * L * L * L);
+    const double rigid = 1e-3 * model.definition().bendingModulus / (model.mass() * L * L * L);
     Eigen::Index first = 0;
     while (first < squares.size() && !(squares[first] > rigid))
         ++first;

@@ -3,6 +3,7 @@
 #include "bridge/c/lab/request.h"
 #include "plugin/identification/diagnosis/carried_score.h"
 #include "plugin/identification/diagnosis/diagnose.h"
+#include "plugin/identification/diagnosis/own_law.h"
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/identification/replay/compare.h"
@@ -71,10 +72,7 @@ cli::Replay prepared(const Request& r, Json& notes) {
     for (const auto& [name, value] : r.numbers("parameters"))
         if (const std::string why = replay::set(out.parameters, out.experiment, name, value); !why.empty())
             refuse(SC_BAD_INPUT, name + ": " + why);
-    for (const std::string& text : r.texts("effects"))
-        if (const std::string why = effects::add(out.parameters.effects, text); !why.empty())
-            refuse(SC_BAD_INPUT, text + ": " + why);
-    if (const std::string why = replay::checkEffects(out.parameters, out.experiment); !why.empty())
+    if (const std::string why = diagnosis::addEffects(r.texts("effects"), out.experiment, out.parameters); !why.empty())
         refuse(SC_BAD_INPUT, why);
     return out;
 }
@@ -135,12 +133,26 @@ void scoreCarriedLaw(cli::Replay& all, Watch& watch) {
         all.taken->score = *score;
 }
 
+/// Laws of the user that compete with the catalogue.
+std::vector<diagnosis::StartedLaw> lawsOf(const Request& r) {
+    std::vector<std::string> texts = r.texts("effects");
+    std::vector<diagnosis::StartedLaw> laws;
+    if (const std::string why = diagnosis::takeOwnLaws(texts, laws); !why.empty())
+        refuse(SC_BAD_INPUT, why);
+    if (!texts.empty())
+        refuse(SC_BAD_INPUT, "\"effects\" of the request: " + texts.front() + " is no law of your own, NAME:FORMULA");
+    return laws;
+}
+
 diagnosis::Diagnosis diagnoseAll(const Request& r, const experiment::Experiment& e, Watch& watch,
                                  diagnosis::StoredFits& fits) {
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     const double minutes = r.number("time_limit_min", 10.0);
-    const diagnosis::ReplayModel model(e, r.texts("without"), &watch.cancelled());
+    diagnosis::ReplayModel model(e, r.texts("without"), &watch.cancelled());
+    for (const diagnosis::StartedLaw& law : lawsOf(r))
+        if (const std::string why = model.add(law); !why.empty())
+            refuse(SC_BAD_INPUT, why);
     diagnosis::Diagnosis found;
     found.stopped = watch.cancelled();
     if (found.stopped) // the model is incomplete
@@ -176,6 +188,8 @@ std::optional<Json> ensemblesAnswer(const Request& r) {
         return std::nullopt;
     if (scene::anyError(problems))
         refuse(SC_BAD_INPUT, scene::errorText(problems));
+    if (!r.texts("effects").empty())
+        refuse(SC_BAD_INPUT, "\"effects\" of the request: a law of your own needs an experiment");
     const auto seed = static_cast<std::uint64_t>(r.integer("seed", 1, 0, std::int64_t{1} << 53));
     const diagnosis::EnsembleDiagnosis d =
         diagnosis::diagnoseEnsembles(request->quantities, request->recorded, request->nominal, request->effects, seed);
@@ -308,14 +322,15 @@ const char* sc_lab_replay(const char* request, sc_lab_progress progress, void* c
 
 const char* sc_lab_diagnose(const char* request, sc_lab_progress progress, void* context) {
     return answer([&] {
-        const Request r(request,
-                        {"file", "jobs", "seed", "without", "time_limit_min", "next_experiment", "cache", "content"});
+        const Request r(request, {"file", "jobs", "seed", "effects", "without", "time_limit_min", "next_experiment",
+                                  "cache", "content"});
         const supercircle::TextsInMemory content(r.content());
         if (const auto ensembles = ensemblesAnswer(r))
             return watched(progress, context, [&](Watch&) { return *ensembles; });
         Json notes;
         const experiment::Experiment e = experimentOf(r, notes);
         requireDiagnosable(r, e);
+        (void)lawsOf(r); // refuses now, before anything is simulated
         return watched(progress, context, [&](Watch& watch) {
             diagnosis::StoredFits fits;
             const diagnosis::Diagnosis d = diagnoseAll(r, e, watch, fits);

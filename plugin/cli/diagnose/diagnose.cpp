@@ -7,6 +7,7 @@
 #include "plugin/pages/diagnosis/diagnose_page.h"
 
 #include "plugin/identification/diagnosis/diagnose.h"
+#include "plugin/identification/diagnosis/own_law.h"
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/recording/experiment/load.h"
@@ -54,6 +55,17 @@ bool knownEffects(const std::vector<std::string>& labels) {
     return true;
 }
 
+/// Laws of the user; false after a message.
+bool readLaws(std::vector<std::string> texts, std::vector<diagnosis::StartedLaw>& laws) {
+    std::string why = diagnosis::takeOwnLaws(texts, laws);
+    if (why.empty() && !texts.empty())
+        why = texts.front() + ": expected a law of your own, NAME:FORMULA and NAME:PARAMETER=START; effects of the "
+                              "catalogue compete anyway";
+    if (!why.empty())
+        std::fprintf(stderr, "--effect: %s\n", why.c_str());
+    return why.empty();
+}
+
 void print(const diagnosis::Diagnosis& d, const std::string& folder) {
     std::printf("%s. %s\n", diagnosis::titleOf(d).c_str(), d.statement.c_str());
     for (std::size_t i = 0; i < d.effects.size() && i < 5; ++i) {
@@ -80,26 +92,34 @@ diagnosis::Ablation ablationOf(const std::vector<std::string>& parts) {
 }
 
 /// Name of the cache file; each catalogue has its own.
-std::string cacheName(std::vector<std::string> without) {
+std::string cacheName(std::vector<std::string> without, const std::vector<diagnosis::StartedLaw>& laws) {
     constexpr std::size_t kLongest = 150; // file systems allow 255
     std::sort(without.begin(), without.end());
     std::string name = "runs";
     for (const std::string& label : without)
         name += (name == "runs" ? "-without-" : "+") + label;
+    for (const diagnosis::StartedLaw& l : laws)
+        name += "+" + l.law.name;
     return name.substr(0, kLongest) + ".cache";
 }
 
-diagnosis::Diagnosis work(const DiagnoseArguments& a, const experiment::Experiment& experiment,
-                          const OutputFolder& folder, diagnosis::StoredFits& fits, std::string& error) {
+diagnosis::Diagnosis work(const DiagnoseArguments& a, const std::vector<diagnosis::StartedLaw>& laws,
+                          const experiment::Experiment& experiment, const OutputFolder& folder,
+                          diagnosis::StoredFits& fits, std::string& wrongLaw, std::string& error) {
     const auto begin = std::chrono::steady_clock::now();
-    const diagnosis::ReplayModel model(experiment, a.without, &interrupted);
+    diagnosis::ReplayModel model(experiment, a.without, &interrupted);
     if (interrupted) { // the model is incomplete
         diagnosis::Diagnosis none;
         none.stopped = true;
         return none;
     }
+    for (const diagnosis::StartedLaw& law : laws)
+        if (const std::string why = model.add(law); !why.empty()) {
+            wrongLaw = why;
+            return {};
+        }
     diagnosis::SimulationCache cache;
-    if (error = cache.open(folder.path() + "/" + cacheName(a.without), model.identity()); !error.empty())
+    if (error = cache.open(folder.path() + "/" + cacheName(a.without, laws), model.identity()); !error.empty())
         return {};
     const auto end = begin + std::chrono::duration<double>(60.0 * a.timeLimit);
     const bool limited = a.timeLimit > 0.0;
@@ -130,14 +150,21 @@ int diagnose(const DiagnoseArguments& a) {
     const auto experiment = loadLongEnough(a);
     if (!experiment || !knownEffects(a.without))
         return kBadInput;
+    std::vector<diagnosis::StartedLaw> laws;
+    if (!readLaws(a.effects, laws))
+        return kBadInput;
     OutputFolder folder(resultsFolder(a.file, a.out, "diagnosis"));
     if (const std::string error = folder.prepare(); !error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;
     }
-    std::string error;
+    std::string wrongLaw, error;
     diagnosis::StoredFits fits;
-    const diagnosis::Diagnosis d = work(a, *experiment, folder, fits, error);
+    const diagnosis::Diagnosis d = work(a, laws, *experiment, folder, fits, wrongLaw, error);
+    if (!wrongLaw.empty()) {
+        std::fprintf(stderr, "--effect: %s\n", wrongLaw.c_str());
+        return kBadInput;
+    }
     if (!error.empty()) {
         std::fprintf(stderr, "%s\n", error.c_str());
         return kCannotWrite;

@@ -21,6 +21,11 @@ std::optional<int> diagnoseEnsembleFile(const DiagnoseArguments& a) {
         std::fprintf(stderr, "%s\n", p.toString().c_str());
     if (scene::anyError(problems))
         return kBadInput;
+    if (!a.effects.empty()) {
+        std::fprintf(stderr,
+                     "--effect: stacks are compared as they are simulated; a law of your own needs an experiment\n");
+        return kBadInput;
+    }
     const auto seed = static_cast<std::uint64_t>(a.seed);
     const EnsembleDiagnosis d =
         diagnosis::diagnoseEnsembles(request->quantities, request->recorded, request->nominal, request->effects, seed);

@@ -36,9 +36,16 @@ void describe(const effects::Effect& e, bool all) {
     if (all)
         std::printf("  law: %s\n  fingerprint: %s\n  literature: %s\n", e.law.c_str(), e.fingerprint.c_str(),
                     e.literature.c_str());
-    for (const effects::Parameter& p : e.parameters)
-        std::printf("  %-22s %-6s default %s%s, %s; %s\n", p.name.c_str(), p.unit.c_str(), text(p, p.off).c_str(),
+    for (std::size_t i = 0; i < e.parameters.size(); ++i) {
+        const effects::Parameter& p = e.parameters[i];
+        std::string name = p.name;
+        while (i + 1 < e.parameters.size() && e.parameters[i + 1].about == p.about) // coefficients of one law
+            ++i;
+        if (const std::string& last = e.parameters[i].name; last != name)
+            name += " to " + last;
+        std::printf("  %-22s %-6s default %s%s, %s; %s\n", name.c_str(), p.unit.c_str(), text(p, p.off).c_str(),
                     p.isSwitch ? " (off)" : "", range(p).c_str(), p.about.c_str());
+    }
 }
 
 } // namespace

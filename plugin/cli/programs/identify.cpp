@@ -40,8 +40,9 @@ std::string ablatedPart(std::string name) {
 void addEffects(CLI::App& subcommand, std::vector<std::string>& effects) {
     addRepeatable(
         subcommand, "--effect", effects,
-        "KEY:NAME=VALUE: extra physics, `supercircle effects` lists it (repeatable); KEY:shell=NAME for one shell")
-        ->type_name("KEY:NAME=VALUE");
+        "KEY:NAME=VALUE: extra physics, `supercircle effects` lists it (repeatable); KEY:shell=NAME for one shell;\n"
+        "NAME:FORMULA and NAME:PARAMETER=VALUE: a law of your own, such as mine:\"mu*(1+a*log(1+v/v0))\"")
+        ->type_name("KEY:NAME=VALUE|NAME:FORMULA");
 }
 
 Subcommand describeImport(CLI::App& app) {
@@ -78,7 +79,9 @@ Subcommand describeImport(CLI::App& app) {
     subcommand->add_option("--tolerance", a.tolerance, "mm, tolerance of the piecewise linear drive")
         ->check(positive)
         ->type_name("MM");
-    subcommand->add_option("--scene", a.scene, "for angles: scene of the freely moving mechanism")
+    subcommand
+        ->add_option("--scene", a.scene,
+                     "for angles: scene of the freely moving mechanism, or the name of a shipped one")
         ->type_name("SCENE.json");
     subcommand
         ->add_option("--from-turning-point", a.fromTurningPoint,
@@ -273,6 +276,10 @@ Subcommand describeDiagnose(CLI::App& app) {
         ->check(wholeFromZero)
         ->type_name("N")
         ->capture_default_str();
+    addRepeatable(*subcommand, "--effect", a.effects,
+                  "NAME:FORMULA and NAME:PARAMETER=START: a law of your own competes with the catalogue, such as "
+                  "mine:\"mu*(1+a*log(1+v/v0))\" mine:a=0.1 mine:v0=0.001 (repeatable)")
+        ->type_name("NAME:FORMULA|NAME:PARAMETER=START");
     addRepeatable(*subcommand, "--without", a.without, "EFFECT[,EFFECT]: remove these from the catalogue (repeatable)")
         ->delimiter(',')
         ->type_name("EFFECT");

@@ -4,6 +4,7 @@
 #include "plugin/cli/replay/experiment_input.h"
 #include "plugin/cli/replay/taken_fit.h"
 #include "plugin/cli/subcommands.h"
+#include "plugin/identification/diagnosis/own_law.h"
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/pages/replay/replay_page.h"
 
@@ -35,12 +36,8 @@ bool prepare(const ReplayArguments& a, Replay& out) {
             std::fprintf(stderr, "--param %s=%.10g: %s\n", o.name.c_str(), o.value, why.c_str());
             return false;
         }
-    for (const std::string& text : a.effects)
-        if (const std::string why = effects::add(out.parameters.effects, text); !why.empty()) {
-            std::fprintf(stderr, "--effect %s: %s\n", text.c_str(), why.c_str());
-            return false;
-        }
-    if (const std::string why = replay::checkEffects(out.parameters, out.experiment); !why.empty()) {
+    if (const std::string why = diagnosis::addEffects(a.effects, out.experiment, out.parameters, &interrupted);
+        !why.empty()) {
         std::fprintf(stderr, "--effect: %s\n", why.c_str());
         return false;
     }

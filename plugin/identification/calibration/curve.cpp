@@ -141,7 +141,9 @@ CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveS
     out.high = value(reach(fit, v, model.friction, 1.0, rise));
     for (Index i = 0; i < v.size(); ++i)
         if (i != model.friction)
-            out.others.emplace_back(v.scalar(i).name, fit.point.nominal[static_cast<std::size_t>(i)]);
+            out.others.emplace_back(
+                v.scalar(i).name,
+                diagnosis::toPhysical(v.scalar(i).scale, fit.point.nominal[static_cast<std::size_t>(i)]));
     out.simulations = evaluator.distinctRequests();
     return out;
 }

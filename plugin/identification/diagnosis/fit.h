@@ -10,6 +10,7 @@
 #include "plugin/identification/diagnosis/likelihood.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,19 @@ public:
     /// Penalty of learned laws and of deviations of specimens: x' penalty x is added to chi-squared; zero elsewhere.
     Eigen::MatrixXd penalty;
     Eigen::Index nominal = 0; ///< number of nominal parameters
+    /// Inverse variance of the interval of a parameter, `widest` at most; 0 where a normal prior in the penalty says
+    /// all.
+    [[nodiscard]] double intervalPrecision(Eigen::Index i, double widest) const {
+        const double width = std::min(upper[i] - lower[i], widest);
+        return i < nominal && scalar(i).precision > 0.0 ? 0.0 : 12.0 / (width * width);
+    }
+    /// Inverse variances of normal priors of the nominal parameters, 0 of the others.
+    [[nodiscard]] Eigen::VectorXd normalPrecision() const {
+        Eigen::VectorXd out = Eigen::VectorXd::Zero(size());
+        for (Eigen::Index i = 0; i < nominal; ++i)
+            out[i] = scalar(i).precision;
+        return out;
+    }
 
 private:
     std::vector<Scalar> scalars_;

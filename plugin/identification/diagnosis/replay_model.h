@@ -13,8 +13,13 @@
 
 namespace supercircle::diagnosis {
 
+/// Largest curvature change in the run with the largest displacement, with the stated parameters, 1/m.
+double largestBend(const experiment::Experiment& experiment, const std::atomic<bool>* interrupt);
+
 /// Readings of a simulated run; not a number after the end of a simulation.
 Response responseOf(const experiment::Experiment& experiment, std::size_t run, const replay::Simulated& simulated);
+
+struct StartedLaw;
 
 class ReplayModel final : public Model {
 public:
@@ -38,6 +43,8 @@ public:
                                                             const std::atomic<bool>* interrupt) const override;
     [[nodiscard]] std::string identity() const override;
 
+    /// Lets a law of the user compete with the catalogue. Empty, or why it cannot.
+    [[nodiscard]] std::string add(const StartedLaw& law);
     /// Lets effects act in all simulations, with these values.
     void fix(std::vector<effects::Setting> effects) { fixed_ = std::move(effects); }
     /// The parameters of a point, or an error text. Learned laws of the reading have none.
@@ -53,6 +60,7 @@ private:
     std::vector<Scalar> nominal_;
     std::vector<effects::Setting> fixed_;
     std::vector<BatchFactor> batch_;
+    double largestBend_ = 0.0; ///< 1/m
     CandidateEffects candidateEffects_;
     std::vector<std::size_t> replicates_;  ///< see replicateOf()
     double travel_ = 1.0, duration_ = 1.0; ///< m, s, scales of learned readings

@@ -72,6 +72,7 @@ struct NominalResult {
     std::string name, unit;
     double stated = 0.0, uncertainty = 0.0, fitted = 0.0;
     double standardisedShift = 0.0; ///< (fitted - stated) / half-width
+    std::string prior{};            ///< normal or log_normal; empty: an interval
 };
 
 /// A parameter that differs between specimens.

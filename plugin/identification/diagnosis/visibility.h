@@ -14,10 +14,10 @@ namespace supercircle::diagnosis {
 
 struct VisibleNumber {
     std::string name, unit;
-    double halfWidth = 0.0; ///< of the stated interval, its unit
-    /// Standard deviation that the runs would leave, the same unit; that of the interval is halfWidth / sqrt(3).
-    double left = 0.0;
-    [[nodiscard]] bool seen() const; ///< less than half of that of the interval is left
+    double halfWidth = 0.0;          ///< of the stated interval, its unit
+    double known = 0.0;              ///< standard deviation of what is stated, the same unit
+    double left = 0.0;               ///< standard deviation that the runs would leave, the same unit
+    [[nodiscard]] bool seen() const; ///< less than half of what is known is left
 };
 
 struct VisibleEffect {

@@ -44,6 +44,7 @@ public:
         addMarkers(clock_);
         lastDisplacement_ = seriesForceAt_ = rig_.displacement();
         seriesForce_ = rig_.force();
+        largest_ = std::max(0.0, seriesForce_);
         double delay = 0.0; // s, delay of the segment before
         for (std::size_t i = 0; i < e_.specimens.size();
              ++i) { // ten times the Euler load of a rod clamped at both ends
@@ -107,10 +108,12 @@ private:
 
     /// Displacement of the drive: crosshead and series compliance.
     [[nodiscard]] double position() const {
-        return rig_.displacement() + compliance_ * seriesForce_ +
+        return rig_.displacement() + compliance_ * seriesForce_ + apparatus_.bedding * largest_ +
                0.5 * apparatus_.slack * seriesForce_ / math::hypot(seriesForce_, apparatus_.slackForce);
     }
-    [[nodiscard]] bool rigid() const { return compliance_ <= 0.0 && apparatus_.slack <= 0.0; }
+    [[nodiscard]] bool rigid() const {
+        return compliance_ <= 0.0 && apparatus_.slack <= 0.0 && apparatus_.bedding <= 0.0;
+    }
 
     /// A mean force is work over travel. While the crosshead follows a resting drive the travel is almost zero and the
     /// mean is meaningless.
@@ -130,16 +133,18 @@ private:
         const double settled = followsDrive_ ? (rig_.time() - time) / (kSettle * rig_.units().time) : 0.0;
         const double share = -math::expm1(-std::abs(travel) / (kSmooth * rig_.units().length) - settled);
         seriesForce_ += share * (force - seriesForce_);
+        largest_ = std::max(largest_, seriesForce_);
         seriesForceAt_ += share * (rig_.displacement() - (known ? 0.5 * travel : 0.0) - seriesForceAt_);
     }
 
-    /// Ratio of drive motion to crosshead motion, 1 + c K.
+    /// Ratio of drive motion to crosshead motion, 1 + c K; a support beds in at the largest force only.
     [[nodiscard]] double ratio() const {
         const double f = math::hypot(seriesForce_, apparatus_.slackForce);
         const double play = apparatus_.slack > 0.0
                                 ? 0.5 * apparatus_.slack * apparatus_.slackForce * apparatus_.slackForce / (f * f * f)
                                 : 0.0;
-        return 1.0 + (compliance_ + play) * stiffness_;
+        const double bedding = seriesForce_ >= largest_ ? apparatus_.bedding : 0.0;
+        return 1.0 + (compliance_ + play + bedding) * stiffness_;
     }
 
     /// Moves the crosshead so that the drive reaches `goal` after `duration`.
@@ -349,6 +354,7 @@ private:
     bool started_ = false;          ///< the segment has had its first step
     double seriesForce_ = 0.0;      ///< N, force in the series compliance
     double seriesForceAt_ = 0.0;    ///< m, crosshead position at that force
+    double largest_ = 0.0;          ///< N, largest force so far
     double lastDisplacement_ = 0.0; ///< m
     double lastTime_ = 0.0;         ///< s, of the set-up
     double stiffness_ = 0.0;        ///< N/m, latest stiffness of the specimen

@@ -171,6 +171,47 @@ VectorXd Multibody::rungeKuttaStep(double h) const {
     return state_ + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
 }
 
+/// Friction that grows with the logarithm of the speed is stiff where that is small: a creeping block reaches its speed
+/// in microseconds. Where a step is longer, the friction is that of its end, constant over the step. The speed at the
+/// end falls in proportion to it, so that two steps say which one agrees with its law.
+void Multibody::holdStiffFriction(double h) {
+    constexpr double kStiff =
+        0.5; // steps over the time of an e-fold; twice as many oscillate, half cost twice the time
+    constexpr int kHalvings = 60;
+    constexpr double kAtRest = 1e-3;
+    if (friction_.direct <= 0.0)
+        return;
+    for (Joint& j : joints_) {
+        if (!hasDryFriction(j) || j.turning == 0 || j.sliding <= 0.0)
+            continue;
+        const Coordinate c = coordinate(j, state_);
+        const double speed = std::max(0.0, j.turning * c.rate);
+        if (h * mobility(c, j) * j.sliding * friction_.direct / (speed + friction_.stateCreep) < kStiff)
+            continue;
+        const auto factor = [&](double v) { return effects::frictionFactor(friction_, j.site, std::max(0.0, v), h); };
+        const auto speedBehind = [&](double held) {
+            j.held = held;
+            return j.turning * relativeRate(j, rungeKuttaStep(h));
+        };
+        double low = factor(0.0);
+        const double fast = speedBehind(low);
+        if (fast <= 0.0) { // it stops, or does not start: its contacts age faster than the force grows
+            if (speed <= kAtRest * friction_.stateCreep) {
+                j.turning = 0;
+                j.held = -1.0;
+            }
+            continue;
+        }
+        double high = std::max(factor(fast), low * (1.0 + 1e-6));
+        const double slope = (fast - speedBehind(high)) / (high - low), first = low;
+        for (int i = 0; i < kHalvings && high - low > 1e-14 * high; ++i) {
+            const double middle = 0.5 * (low + high);
+            (factor(fast - slope * (middle - first)) > middle ? low : high) = middle;
+        }
+        j.held = 0.5 * (low + high);
+    }
+}
+
 /// Projects positions and velocities onto the joints, weighted by mass.
 void Multibody::projectJoints(bool withResting) {
     if (joints_.empty())
@@ -271,12 +312,15 @@ void Multibody::advance(double step) {
         h = driveTime_[segment_] - time_;
         turns = true;
     }
+    holdStiffFriction(h);
     VectorXd next = rungeKuttaStep(h);
     Joint* const event = anyDryFriction() ? firstEvent(h, next) : nullptr;
     for (Joint& j : joints_)
         if (friction_.on() && hasDryFriction(j))
             effects::advance(friction_, j.site,
                              0.5 * (std::abs(relativeRate(j, state_)) + std::abs(relativeRate(j, next))), h);
+    for (Joint& j : joints_)
+        j.held = -1.0;
     state_ = next;
     time_ += h;
     ++steps_;

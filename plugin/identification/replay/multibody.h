@@ -101,6 +101,7 @@ private:
         bool springs = false;                 ///< a distance joint that is a spring
         int turning = 0;                      ///< sign of the relative motion that dry friction opposes; 0: sticking
         effects::Site site;
+        double held = -1.0; ///< factor of its friction in this step, solved for its end; negative: that of its rate
         /// Whether its friction is stated: a contact, not a guide.
         [[nodiscard]] bool own() const { return sticking > 0.0; }
         [[nodiscard]] bool free() const {
@@ -163,6 +164,7 @@ private:
     [[nodiscard]] Rates rates(const Eigen::VectorXd& y) const;
     void airOn(const Body& b, const Eigen::VectorXd& y, Eigen::VectorXd& force, double& power) const;
     [[nodiscard]] Eigen::VectorXd rungeKuttaStep(double h) const;
+    void holdStiffFriction(double h);
     void projectJoints(bool withResting);
     void updateTurning();
     void updateFriction();

@@ -39,6 +39,7 @@ void Multibody::addJoint(const step::JointDefinition& d) {
     j.springs = d.kind == JointKind::Distance && d.spring.on();
     j.sliding = d.friction.sliding;
     j.sticking = d.friction.sticking;
+    j.site.age = friction_.stateRest;
     joints_.push_back(j);
 }
 
@@ -221,6 +222,8 @@ double Multibody::dryFriction(const Joint& j, double reaction, double rate, doub
     const double own = j.turning == 0 ? j.sticking : j.sliding;
     if (own <= 0.0)
         return bearing;
+    if (j.turning != 0 && j.held >= 0.0)
+        return bearing + own * j.held;
     const double speed = j.turning == 0 ? 0.0 : std::max(0.0, j.turning * rate);
     return bearing + own * (friction_.on() ? effects::frictionFactor(friction_, j.site, speed, since) : 1.0);
 }

@@ -264,6 +264,7 @@ bool needsClock(effects::Key key) {
     case effects::Key::SofteningOverTime:
     case effects::Key::StaticFrictionExcess:
     case effects::Key::RateDependentFriction:
+    case effects::Key::RateAndStateFriction:
     case effects::Key::SensorDrift:
     case effects::Key::SensorDelay:
         return true;
@@ -287,6 +288,7 @@ bool acts(const Experiment& experiment, effects::Key key, std::size_t channel) {
         return mechanism;
     case effects::Key::StaticFrictionExcess:
     case effects::Key::RateDependentFriction:
+    case effects::Key::RateAndStateFriction:
     case effects::Key::Wear:
         return !experiment.scene || experiment.scene->rubs;
     case effects::Key::Adhesion:
@@ -294,6 +296,7 @@ bool acts(const Experiment& experiment, effects::Key key, std::size_t channel) {
         return !experiment.scene || (!mechanism && experiment.scene->rubs);
     case effects::Key::Backlash:
     case effects::Key::MachineCompliance:
+    case effects::Key::SupportSettlement:
     case effects::Key::Misalignment:
         return !experiment::isFree(experiment) && !experiment::drivesLoad(experiment) &&
                (!mechanism || key == effects::Key::Backlash);

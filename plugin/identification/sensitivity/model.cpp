@@ -99,14 +99,19 @@ std::string setColumn(replay::Parameters& p, const Experiment& e, const Column& 
     return value > 0.0 ? replay::set(p, e, name, 1.0 / value) : "an amplitude is negative";
 }
 
+/// Whether an amplitude belongs to the first law of its effect.
+bool actsByItself(const effects::Effect& effect, const effects::Parameter& p) {
+    effects::Setting setting = effects::off(effect);
+    return effects::set(setting, p.name, p.typical).empty() && effects::validate({setting}).empty();
+}
+
 } // namespace
 
 std::vector<std::string> effectNames(const Experiment& e) {
     std::vector<std::string> names;
     for (const effects::Effect& effect : effects::catalog())
         for (const effects::Parameter& p : effect.parameters)
-            if (p.isSwitch && replay::acts(e, effect.key) &&
-                !(effect.key == effects::Key::ViscoelasticBending && p.name == "branch_over_B")) // other law
+            if (p.isSwitch && replay::acts(e, effect.key) && actsByItself(effect, p))
                 names.push_back(effect.name + ":" + p.name);
     return names;
 }

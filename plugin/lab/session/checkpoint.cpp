@@ -11,7 +11,7 @@ namespace supercircle::lab {
 
 namespace {
 
-constexpr archive::FileKind kKind{"SCRUN   ", 1};
+constexpr archive::FileKind kKind{"SCRUN   ", 2};
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{16} << 30;
 
 /// Values that only tell whether two texts are the same are no help to who reads them.

@@ -10,6 +10,7 @@ namespace supercircle::lab {
 
 /// What is kept of every step.
 void Session::record() {
+    largestForce_ = std::max(largestForce_, force());
     sample();
     keepFrame(false);
     watchVibration();

@@ -274,7 +274,8 @@ double Session::travel() const {
     if (!apparatus_.on())
         return crosshead;
     const double f = force();
-    return crosshead + apparatus_.compliance * f - (reversed_ ? apparatus_.backlash : 0.0) +
+    return crosshead + apparatus_.compliance * f + apparatus_.bedding * std::max(largestForce_, f) -
+           (reversed_ ? apparatus_.backlash : 0.0) +
            (apparatus_.slack > 0.0 ? 0.5 * apparatus_.slack * f / math::hypot(f, apparatus_.slackForce) : 0.0);
 }
 

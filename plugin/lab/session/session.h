@@ -138,7 +138,8 @@ private:
     effects::ApparatusModel apparatus_;
     effects::SensorChain sensor_;
     bool sensorOn_ = false;
-    bool reversed_ = false; ///< the crosshead moves back, backlash is on its other side
+    bool reversed_ = false;     ///< the crosshead moves back, backlash is on its other side
+    double largestForce_ = 0.0; ///< N, so far
     bool inProtocol_ = false;
     bool loading_ = false; ///< the present segment is a loading branch
     EnergyRelease energyRelease_;

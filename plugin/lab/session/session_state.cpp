@@ -61,7 +61,8 @@ void Session::io(Self& s, Archive& ar) {
     EnergyRelease::state(s.energyRelease_, ar);
     ar(s.phase_, s.reversed_, s.inProtocol_, s.loading_, s.zeroTravel_, s.pileHeight_, s.nextFrameTime_,
        s.nextSampleTime_, s.frame_, s.energyAtStart_, s.segmentRows_, s.segmentIndex_, s.creepStart_,
-       s.firstFrequencies_, s.unitDamping_, s.creepFrom_, s.sampleTravel_, s.rawForce_, s.countersAtProtocol_);
+       s.firstFrequencies_, s.unitDamping_, s.creepFrom_, s.sampleTravel_, s.rawForce_, s.largestForce_,
+       s.countersAtProtocol_);
 }
 
 Session::Bodies Session::movingBodies() const {

@@ -229,12 +229,15 @@ Json forecastOf(const Diagnosis& d) {
 
 Json nominalOf(const Diagnosis& d) {
     Json out = Json::object();
-    for (const diagnosis::NominalResult& n : d.nominal)
+    for (const diagnosis::NominalResult& n : d.nominal) {
         out[n.name] = {{"stated", n.stated},
                        {"uncertainty", n.uncertainty},
                        {"fitted", n.fitted},
                        {"standardised_shift", n.standardisedShift},
                        {"unit", n.unit}};
+        if (!n.prior.empty())
+            out[n.name]["prior"] = n.prior;
+    }
     return out;
 }
 

@@ -158,8 +158,9 @@ std::string nominalTable(const Diagnosis& d) {
                        "1)</th></tr>";
     for (const diagnosis::NominalResult& n : d.nominal)
         html += "<tr><td>" + escaped(diagnosis::plainWords(n.name)) + "</td><td>" + rounded(n.stated, 4) + " ± " +
-                rounded(n.uncertainty, 2) + " " + (n.unit == "1" ? "" : escaped(n.unit)) + "</td><td>" +
-                rounded(n.fitted, 4) + "</td><td>" + fixed(n.standardisedShift, 2) + "</td></tr>";
+                rounded(n.uncertainty, 2) + " " + (n.unit == "1" ? "" : escaped(n.unit)) +
+                (n.prior.empty() ? "" : ", three standard deviations") + "</td><td>" + rounded(n.fitted, 4) +
+                "</td><td>" + fixed(n.standardisedShift, 2) + "</td></tr>";
     html += "</table>";
     if (d.homogeneity.degrees == 0.0) // one run
         return html;

@@ -15,10 +15,18 @@
 
 namespace supercircle::experiment {
 
-/// A stated value; the true one lies within `halfWidth` of it, uniformly distributed.
+/// What is known of a stated value: anywhere within an interval alike, normal about the value, or its logarithm normal
+/// about that of the value.
+enum class Prior : std::uint8_t { Interval, Normal, LogNormal };
+
+/// A stated value. The true one lies within `halfWidth` of it, uniformly distributed; of the other priors that is three
+/// standard deviations.
 struct Stated {
+    static constexpr double kDeviations = 3.0; ///< standard deviations in a half-width
+
     double value = 0.0;
-    double halfWidth = 0.0; ///< same unit as `value`, 0: exact
+    double halfWidth = 0.0; ///< same unit as `value`, 0: exact; of a log-normal prior to first order
+    Prior prior = Prior::Interval;
     [[nodiscard]] double lower() const { return value - halfWidth; }
     [[nodiscard]] double upper() const { return value + halfWidth; }
 };

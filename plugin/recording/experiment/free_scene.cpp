@@ -76,6 +76,8 @@ Specimen specimenOf(const ShellDef& d) {
     s.youngModulus = d.young_modulus;
     s.bendingModulus.value = bending_modulus(d);
     s.linearMass.value = d.density * d.width * d.thickness;
+    for (const PointMassDef& m : d.mass_at) // it swings as slowly as a rod of that mass
+        s.linearMass.value += m.mass / s.length;
     return s;
 }
 
@@ -143,6 +145,29 @@ std::vector<Channel> columnsOf(const Experiment& e) {
     return {channel(e)};
 }
 
+/// `value` with `unc` (a half-width), `std` or `std_log`.
+Stated readStated(Object& object) {
+    Stated out;
+    out.value = object.number("value", scene::anyNumber);
+    const bool normal = object.find("std").has_value(), logNormal = object.find("std_log").has_value();
+    if (normal + logNormal + object.find("unc").has_value() > 1) {
+        object.error(logNormal ? "std_log" : "std", "two things are said of its uncertainty",
+                     R"("unc" (half-width of an interval), "std" (normal) or "std_log" (log-normal))");
+        return out;
+    }
+    out.halfWidth = object.number("unc", 0.0, scene::notNegative);
+    if (normal)
+        out.halfWidth = Stated::kDeviations * object.number("std", 0.0, scene::notNegative);
+    if (logNormal) {
+        out.halfWidth = Stated::kDeviations * std::abs(out.value) * object.number("std_log", 0.0, scene::notNegative);
+        if (!(out.value > 0.0))
+            object.error("std_log", "the logarithm of the stated value does not exist", "a value above 0, or \"std\"");
+    }
+    if (out.halfWidth > 0.0)
+        out.prior = normal ? Prior::Normal : logNormal ? Prior::LogNormal : Prior::Interval;
+    return out;
+}
+
 std::vector<SceneParameter> readSceneParameters(Context& context, Object& object, const std::string& key) {
     std::vector<SceneParameter> all;
     const std::optional<Node> node = object.find(key);
@@ -160,8 +185,7 @@ std::vector<SceneParameter> readSceneParameters(Context& context, Object& object
             continue;
         }
         Object stated(context, child, at);
-        const double value = stated.number("value", scene::anyNumber);
-        all.push_back({child.key(), {value, stated.number("unc", 0.0, scene::notNegative)}, {}, {}});
+        all.push_back({child.key(), readStated(stated), {}, {}});
         stated.finish();
     }
     return all;

@@ -21,6 +21,7 @@ constexpr double kPeriod = 1.9404998e-3; // s, braking in a run of 5 s
 double base(const NaturalUnits& u, const std::string& name) {
     return name == "m"    ? u.length
            : name == "s"  ? u.time
+           : name == "Hz" ? 1.0 / u.time
            : name == "N"  ? u.force
            : name == "kg" ? u.force * u.time * u.time / u.length
                           : 1.0;

@@ -4,12 +4,11 @@
 
 #include "plugin/scene/loader/expression.h"
 
+#include "plugin/scene/loader/formula_functions.h"
 #include "plugin/scene/loader/reader.h"
-#include "supercircle/support/elementary.h"
 #include "supercircle/support/names.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -19,66 +18,8 @@ namespace supercircle::scene {
 
 namespace {
 
-constexpr std::size_t maxFormula = 2000; // characters; deeper formulas would exhaust the stack
 constexpr std::size_t maxNames = 1000;
 constexpr int maxChain = 50; // formulas of formulas not yet evaluated; each level needs stack
-
-/// muParser's own functions call the C library, whose last bits depend on the machine.
-void defineFunctions(mu::Parser& parser) {
-    parser.DefineFun("sinc", math::sinc);
-    parser.DefineFun("sin", math::sin);
-    parser.DefineFun("cos", math::cos);
-    parser.DefineFun("tan", math::tan);
-    parser.DefineFun("asin", math::asin);
-    parser.DefineFun("acos", math::acos);
-    parser.DefineFun("atan", math::atan);
-    parser.DefineFun("atan2", math::atan2);
-    parser.DefineFun("sinh", math::sinh);
-    parser.DefineFun("cosh", math::cosh);
-    parser.DefineFun("tanh", math::tanh);
-    parser.DefineFun("exp", math::exp);
-    parser.DefineFun("ln", math::log);
-    parser.DefineFun("log10", math::log10);
-    parser.DefineFun("log2", math::log2);
-}
-
-bool startsName(char c) {
-    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
-bool continuesName(char c) {
-    return startsName(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
-}
-
-struct NameUse {
-    std::string name;
-    std::size_t at = 0;
-};
-
-/// The names in a formula; `1e-3` is a number, not a name.
-std::vector<NameUse> namesIn(const std::string& formula) {
-    std::vector<NameUse> uses;
-    std::size_t i = 0;
-    while (i < formula.size()) {
-        const char c = formula[i];
-        if (startsName(c)) {
-            const std::size_t start = i;
-            while (i < formula.size() && continuesName(formula[i]))
-                ++i;
-            uses.push_back({formula.substr(start, i - start), start});
-        } else if (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.') {
-            while (i < formula.size() &&
-                   (std::isdigit(static_cast<unsigned char>(formula[i])) != 0 || formula[i] == '.'))
-                ++i;
-            if (i + 1 < formula.size() && (formula[i] == 'e' || formula[i] == 'E') &&
-                (std::isdigit(static_cast<unsigned char>(formula[i + 1])) != 0 || formula[i + 1] == '+' ||
-                 formula[i + 1] == '-'))
-                i += 2;
-        } else {
-            ++i;
-        }
-    }
-    return uses;
-}
 
 bool isIdentifier(const std::string& name) {
     return !name.empty() && name.size() <= 64 && startsName(name[0]) && name[0] != '_' &&
@@ -338,8 +279,8 @@ std::optional<double> Scope::evaluate(Context& context, const std::string& formu
         context.errorAt(at.offset() + 1 + std::min(column, formula.size()), pointer, what, expected, nearest);
         return std::nullopt;
     };
-    if (formula.size() > maxFormula)
-        return fail(0, "the formula is too long", "at most " + std::to_string(maxFormula) + " characters", {});
+    if (formula.size() > kLongestFormula)
+        return fail(0, "the formula is too long", "at most " + std::to_string(kLongestFormula) + " characters", {});
     const auto owned = std::make_unique<mu::Parser>(); // kilobytes; formulas of formulas recurse
     mu::Parser& parser = *owned;
     defineFunctions(parser);

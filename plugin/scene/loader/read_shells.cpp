@@ -116,6 +116,24 @@ void readMaterial(ObjectReader& reader, ShellDef& d) {
     d.damping_ratio = reader.number("damping_ratio", d.damping_ratio, notNegative);
 }
 
+void readPointMasses(Context& context, ObjectReader& reader, ShellDef& d) {
+    const double length = lengthOf(d);
+    for (const ArrayItem& place : reader.array("mass_at")) {
+        ObjectReader item(context, place.node, place.pointer);
+        PointMassDef m;
+        m.arc_fraction = item.number("arc_fraction", m.arc_fraction, {0.0, 1.0});
+        item.require("mass", "kg");
+        m.mass = item.number("mass", m.mass, notNegative);
+        m.inertia = item.number("inertia", m.inertia, notNegative);
+        if (const std::optional<Node> inertia = item.find("inertia"); m.inertia > m.mass * length * length)
+            context.error(inertia ? *inertia : place.node, item.pointerTo("inertia"),
+                          "the body is larger than the shell",
+                          "at most the mass times the square of the shell's length");
+        item.finish();
+        d.mass_at.push_back(m);
+    }
+}
+
 void readPose(Context& context, ObjectReader& reader, ShellDef& d) {
     const Eigen::Vector2d position = reader.vector("position", {d.position.x, d.position.y});
     d.position = {position.x(), position.y()};
@@ -145,6 +163,7 @@ ShellDef readShell(Context& context, const Node& node, const std::string& pointe
     d.tip_refinement = reader.number("tip_refinement", d.tip_refinement, {0.01, 100.0});
     d.natural_curvature = readCurvatures(context, reader, "natural_curvature", d.elements);
     d.curvature = readCurvatures(context, reader, "curvature", d.elements);
+    readPointMasses(context, reader, d);
     d.category = static_cast<std::uint16_t>(reader.integer("category", d.category, 0, 65535));
     d.mask = static_cast<std::uint16_t>(reader.integer("mask", d.mask, 0, 65535));
     d.user_data = static_cast<std::uint64_t>(reader.integer("user_data", 0, 0, std::int64_t{1} << 53));

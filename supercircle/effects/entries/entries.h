@@ -28,6 +28,17 @@ inline void addCoefficients(std::vector<Parameter>& to, double min, double max, 
     for (std::size_t k = 1; k <= kSplineCoefficients; ++k)
         to.push_back(detail("c" + std::to_string(k), "1", 0.0, min, max, about));
 }
+/// Appends the coefficients t1 ... of a law that is given as a formula.
+inline void addTable(std::vector<Parameter>& to) {
+    for (std::size_t k = 1; k <= kTableCoefficients; ++k)
+        to.push_back(detail("t" + std::to_string(k), "1", 0.0, -0.99, 1e3, "coefficient of S of a table"));
+}
+inline TableCoefficients tableAt(const Values& v, std::size_t first) {
+    TableCoefficients t{};
+    for (std::size_t k = 0; k < t.size(); ++k)
+        t[k] = v[first + k];
+    return t;
+}
 inline SplineCoefficients coefficientsAt(const Values& v, std::size_t first) {
     SplineCoefficients c{};
     for (std::size_t k = 0; k < c.size(); ++k)
@@ -59,5 +70,7 @@ Effect bearingFriction();
 Effect airDrag();
 Effect guideFriction();
 Effect nonlinearSpring();
+Effect rateAndStateFriction();
+Effect supportSettlement();
 
 } // namespace supercircle::effects

@@ -54,8 +54,10 @@ ElasticResponse evaluate(const ElasticModel& b, double u) {
         }
         break;
     case ElasticModel::Law::Learned:
+    case ElasticModel::Law::Table:
         if (std::isfinite(b.knee)) {
-            const SplinePoint s = evaluateSpline(b.learned, std::abs(x));
+            const SplinePoint s = b.law == ElasticModel::Law::Table ? evaluateTable(b.table, std::abs(x))
+                                                                    : evaluateSpline(b.learned, std::abs(x));
             return {u + (u < 0.0 ? -b.knee : b.knee) * s.area, 1.0 + s.value, 0.5 * u * u + b.knee * b.knee * s.moment};
         }
         break;

@@ -1,6 +1,7 @@
 #include "supercircle/effects/laws/spline.h"
 
 #include <algorithm>
+#include <span>
 
 namespace supercircle::effects {
 
@@ -22,7 +23,7 @@ Basis basisAt(double t) {
 }
 
 /// @param segments of [0, 1]; coefficients beyond the last are zero
-SplinePoint evaluate(const SplineCoefficients& c, std::size_t segments, double x) {
+SplinePoint evaluate(std::span<const double> c, std::size_t segments, double x) {
     const double n = static_cast<double>(segments), h = 1.0 / n;
     const double inside = std::clamp(x, 0.0, 1.0);
     const auto last = std::min(segments - 1, static_cast<std::size_t>(inside * n));
@@ -54,6 +55,10 @@ SplinePoint evaluate(const SplineCoefficients& c, std::size_t segments, double x
 
 SplinePoint evaluateSpline(const SplineCoefficients& c, double x) {
     return evaluate(c, kSplineCoefficients - 3, x);
+}
+
+SplinePoint evaluateTable(const TableCoefficients& c, double x) {
+    return evaluate(c, kTableCoefficients - 3, x);
 }
 
 SplinePoint evaluateFading(const SplineCoefficients& c, double x) {

@@ -13,6 +13,11 @@ namespace supercircle::effects {
 
 inline constexpr std::size_t kSplineCoefficients = 7;
 using SplineCoefficients = std::array<double, kSplineCoefficients>;
+/// Of a law that is given as a formula: 24 segments. Half as many err by 16 times as much, twice as many cost twice.
+inline constexpr std::size_t kTableCoefficients = 27;
+using TableCoefficients = std::array<double, kTableCoefficients>;
+
+inline constexpr double kTableDecades = 6.0; ///< that the table of a law of a speed covers
 
 struct SplinePoint {
     double value = 0.0;
@@ -26,5 +31,8 @@ SplinePoint evaluateSpline(const SplineCoefficients& c, double x);
 
 /// The same basis with three more coefficients of zero: S and its first two derivatives vanish at x = 1 and beyond.
 SplinePoint evaluateFading(const SplineCoefficients& c, double x);
+
+/// S(x) of a table on [0, 1], constant beyond.
+SplinePoint evaluateTable(const TableCoefficients& c, double x);
 
 } // namespace supercircle::effects

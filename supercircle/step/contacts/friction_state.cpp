@@ -59,7 +59,7 @@ bool grows(const World& world, const contact::Candidate& c) {
     bool any = false;
     forSides(world, c, [&](std::size_t, const effects::Surface& s, std::size_t) {
         const effects::FrictionModel& m = s.model.friction;
-        any = any || m.rateStrength > 0.0;
+        any = any || m.rateStrength > 0.0 || m.direct > 0.0;
     });
     return any;
 }

@@ -16,6 +16,9 @@ std::uint64_t signatureOf(const Rod& rod, double ratio) {
     add(ratio);
     add(rod.model.definition().bendingModulus);
     add(rod.model.definition().linearMass);
+    for (const rod::PointMass& p : rod.model.definition().pointMasses)
+        for (const double x : {p.s, p.mass, p.inertia})
+            add(x);
     for (const Hold& h : rod.holds)
         add(h.clamped ? h.s : -1.0 - h.s);
     return value | 1U;

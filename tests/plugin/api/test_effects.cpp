@@ -32,7 +32,7 @@ const EffectInfo& entry(const std::string& key) {
 } // namespace
 
 TEST_CASE("the catalogue of effects is complete and its defaults switch each effect on", "[plugin]") {
-    CHECK(effect_catalog().size() == 24);
+    CHECK(effect_catalog().size() == 26);
     for (const EffectInfo& e : effect_catalog()) {
         INFO(e.key);
         CHECK_FALSE(e.about.empty());
@@ -58,7 +58,7 @@ TEST_CASE("the catalogue of effects is complete and its defaults switch each eff
     CHECK(entry("planar_drag").slot == EffectSlot::Load);
     CHECK(entry("planar_drag").parameters[0].unit == "N/m");
     CHECK(entry("sensor_gain").slot == EffectSlot::Sensor);
-    CHECK(entry("viscoelastic_bending").parameters[0].choices.size() == 2);
+    CHECK(entry("viscoelastic_bending").parameters[0].choices.size() == 3);
 }
 
 TEST_CASE("an effect changes the motion, and its values can be read back", "[plugin]") {

@@ -79,6 +79,12 @@ TEST_CASE("the energy balance holds with each effect on, and dissipation is neve
              {"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:Dc_m=0.001"},
              {"static_friction_excess:mu_s_over_mu_k=1.5", "static_friction_excess:presliding_m=1e-5"},
              {"rate_dependent_friction:strength=-0.4", "rate_dependent_friction:speed_m_s=0.05"},
+             {"viscoelastic_bending:law=loss_factor", "viscoelastic_bending:loss_factor=0.2",
+              "viscoelastic_bending:f_low_Hz=1", "viscoelastic_bending:f_high_Hz=1000"},
+             {"rate_and_state_friction:a_over_mu=0.05", "rate_and_state_friction:b_over_mu=0.02",
+              "rate_and_state_friction:Dc_m=1e-4", "rate_and_state_friction:V0_m_s=0.05"},
+             {"rate_and_state_friction:a_over_mu=0.02", "rate_and_state_friction:b_over_mu=0.05",
+              "rate_and_state_friction:law=slip", "rate_and_state_friction:V0_m_s=0.05"},
              {"wear:change=0.5", "wear:distance_m=0.005"},
              {"contact_compliance:normal_m_N=1e-4", "contact_compliance:tangential_m_N=2e-4"},
              {"adhesion:F_a_N_m=0.5", "adhesion:range_m=0.0005"}}) {

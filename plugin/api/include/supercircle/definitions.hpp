@@ -15,6 +15,13 @@ struct Point {
 /// Number of a surface material. Shells::set_friction sets the friction of a pair of them; 0: none.
 using FrictionMaterial = std::uint32_t;
 
+/// A small heavy body that moves with a section of a shell. It has no shape and does not stiffen the shell.
+struct PointMassDef {
+    double arc_fraction = 1.0; ///< 0 first end, 1 last end
+    double mass = 0.0;         ///< kg
+    double inertia = 0.0;      ///< about its place, kg m^2: at most mass times the square of the shell's length
+};
+
 /// A flexible open shell: an inextensible elastic rod of circular arcs. The default is the paper's shell
 /// (PET-G, R = 19.2 mm, h = 0.5 mm, w = 10 mm) with phi_bar = 0.75.
 struct ShellDef {
@@ -29,6 +36,7 @@ struct ShellDef {
     double width = 0.010;                  ///< m
     double density = 1270.0;               ///< kg/m^3
     double young_modulus = 2.2e9;          ///< Pa
+    std::vector<PointMassDef> mass_at;     ///< small bodies on the shell, such as an accelerometer
     double mu = 0.35;                      ///< friction coefficient, 1
     /// Of the shell's first mode, 1: 0 to 100; negative: 0 in Quality::Laboratory, 0.05 in Quality::Game. It acts as a
     /// bending viscosity (Kelvin-Voigt): a mode of n times the frequency has n times the ratio.

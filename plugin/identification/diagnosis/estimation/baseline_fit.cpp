@@ -52,10 +52,13 @@ ParameterPoint oppositePoint(const Variables& v, const Eigen::VectorXd& x) {
 
 /// Decrease of chi-squared that the derivatives predict inside the bounds.
 double predictedDecrease(const Variables& v, const FitResult& f) {
+    const Eigen::VectorXd precision = v.normalPrecision(), to = precision.cwiseProduct(f.x);
     Eigen::MatrixXd G = f.jacobian.transpose() * f.jacobian;
     G.diagonal().array() += 1e-6 * std::max(1e-12, G.diagonal().mean()); // insensitive parameters stay
-    const Eigen::VectorXd step = solveBoxQp(G, f.jacobian.transpose() * f.residual, v.lower - f.x, v.upper - f.x);
-    return f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm();
+    G.diagonal() += precision;
+    const Eigen::VectorXd step = solveBoxQp(G, f.jacobian.transpose() * f.residual - to, v.lower - f.x, v.upper - f.x);
+    return f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm() -
+           step.dot(precision.cwiseProduct(step) + 2.0 * to);
 }
 
 void differentiateAll(Evaluator& evaluator, const Likelihood& likelihood, FitResult& f) {

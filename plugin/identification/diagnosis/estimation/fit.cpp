@@ -277,7 +277,9 @@ private:
         Eigen::MatrixXd G = now_.jacobian.transpose() * now_.jacobian + v_.penalty;
         const Eigen::VectorXd g = now_.jacobian.transpose() * now_.residual - v_.penalty * now_.x;
         const double typical = std::max(1e-12, G.diagonal().mean());
-        G.diagonal() += damping_ * (G.diagonal().array() + 1e-3 * typical).matrix();
+        const Eigen::VectorXd precision = v_.normalPrecision();
+        for (Eigen::Index i = 0; i < G.rows(); ++i) // where priors decide, damping by the readings would hold the step
+            G(i, i) += damping_ * (precision[i] > 0.0 ? precision[i] : G(i, i) + 1e-3 * typical);
         const Eigen::VectorXd far = farthest();
         const Eigen::VectorXd step =
             solveBoxQp(G, g, (v_.lower - now_.x).cwiseMax(-far), (v_.upper - now_.x).cwiseMin(far));
@@ -408,8 +410,7 @@ FitResult fit(Evaluator& evaluator, const Likelihood& likelihood, const Paramete
 Eigen::MatrixXd posteriorCovariance(const Variables& v, const Eigen::MatrixXd& jacobian, double dispersion) {
     Eigen::MatrixXd precision = jacobian.transpose() * jacobian / std::max(1.0, dispersion);
     for (Eigen::Index k = 0; k < v.size(); ++k) {
-        const double width = std::min(v.upper[k] - v.lower[k], 1e3);
-        precision(k, k) += 12.0 / (width * width) + (k < v.nominal ? v.penalty(k, k) : 0.0);
+        precision(k, k) += v.intervalPrecision(k, 1e3) + (k < v.nominal ? v.penalty(k, k) : 0.0);
     }
     return dense::inverseLdlt(precision);
 }

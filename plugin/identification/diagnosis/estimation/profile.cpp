@@ -244,7 +244,9 @@ private:
         constexpr int kSteps = 3;
         for (int k = 0; k < kSteps && !evaluator_.stopped(); ++k) {
             const Eigen::VectorXd step = stepFrom(f, distance);
-            if (f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm() < 0.1 * dispersion_)
+            const Eigen::VectorXd prior = v_.normalPrecision().cwiseProduct(step + 2.0 * f.x);
+            if (f.residual.squaredNorm() - (f.residual - f.jacobian * step).squaredNorm() - step.dot(prior) <
+                0.1 * dispersion_)
                 return;
             FitResult to;
             if (!moved(f, step, to) || to.chiSquared >= f.chiSquared)

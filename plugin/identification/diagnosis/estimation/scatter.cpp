@@ -28,11 +28,10 @@ public:
         Eigen::VectorXd prior(v_.size());
         for (Index i = 0; i < v_.size(); ++i) {
             const int factor = i < v_.nominal ? v_.scalar(i).batch : -1;
-            const double width = std::min(v_.upper[i] - v_.lower[i], 2.0 * kOpen);
             prior[i] =
                 factor >= 0
                     ? 1.0 / (scatter[static_cast<std::size_t>(factor)] * scatter[static_cast<std::size_t>(factor)])
-                    : 12.0 / (width * width);
+                    : v_.intervalPrecision(i, 2.0 * kOpen) + (i < v_.nominal ? v_.scalar(i).precision : 0.0);
         }
         const Eigen::VectorXd root = prior.cwiseSqrt();
         // Scaled by the prior, all eigenvalues are at least 1.

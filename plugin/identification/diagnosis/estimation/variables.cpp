@@ -25,12 +25,14 @@ Variables::Variables(const Model& model, const ParameterPoint& like) : scalars_(
             upper[c.number] = std::min(upper[c.number], kHeld);
         }
     penalty = Eigen::MatrixXd::Zero(size(), size());
-    for (Eigen::Index i = 0; i < nominal; ++i)
+    for (Eigen::Index i = 0; i < nominal; ++i) {
+        penalty(i, i) = scalar(i).precision;
         if (scalar(i).batch >= 0) {
             const auto factor = static_cast<std::size_t>(scalar(i).batch);
             const double scatter = factor < like.scatter.size() ? like.scatter[factor] : 1.0;
             penalty(i, i) = 1.0 / (scatter * scatter);
         }
+    }
     Eigen::Index first = nominal;
     for (const Term& t : like.terms) {
         const auto n = static_cast<Eigen::Index>(t.values.size());

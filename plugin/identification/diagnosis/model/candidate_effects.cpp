@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/model/candidate_effects.h"
 
 #include "plugin/identification/diagnosis/model/learned_laws.h"
+#include "plugin/identification/diagnosis/model/own_law.h"
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/identification/replay/parameters.h"
 #include "plugin/identification/replay/simulate.h"
@@ -222,6 +223,8 @@ void material(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("viscoelastic_bending", "standard linear solid").with("law", 1);
     w.amplitude("branch_over_B", 0.0, 2.0, 0.05).extent("tau_s", 0.02 * s.second, 3.0 * s.duration);
     w.probe({0.1, 0.3 * s.second}).probe({0.1, 2.0 * s.second}).probe({0.1, 0.4 * s.duration});
+    w.variant("viscoelastic_bending", "loss factor").with("law", 2).amplitude("loss_factor", 0.0, 1.0, 0.02);
+    w.with("f_low_Hz", 0.1 / s.duration).with("f_high_Hz", 1e3 / s.second).probe({0.02}).probe({0.1});
     w.variant("nonlinear_elasticity", "softening").with("law", 0);
     w.amplitude("uc_1_m", 0.03 * bend, 1e6, 2.5 * bend, Scale::ReciprocalSquare).probe({2.5 * bend}).probe({bend});
     w.probe({0.1 * bend}); // thick rings yield long before they are flat
@@ -287,6 +290,13 @@ void frictionLaws(CandidateBuilder& w, const ExperimentScales& s, bool compliant
         w.amplitude("strength", -0.9, 3.0, 0.1).extent("speed_m_s", 1e-3 * s.speed, 10.0 * s.speed);
         w.probe({0.2, 0.1 * s.speed}).probe({-0.2, 0.1 * s.speed}).probe({0.2, 0.5 * s.speed});
         w.probe({-0.2, 0.01 * s.speed});
+    }
+    const char* memories[] = {"ageing law", "slip law"};
+    for (int law = 0; law < 2; ++law) { // the stated coefficient is that of the drive's speed
+        w.variant("rate_and_state_friction", memories[law]).with("law", law).with("V0_m_s", s.speed);
+        w.with("creep_m_s", 1e-4 * s.speed).with("rest_s", 60.0 * s.second);
+        w.amplitude("a_over_mu", 0.0, 0.5, 0.02).amplitude("b_over_mu", 0.0, 0.5, 0.02);
+        w.extent("Dc_m", 2e-6 * m, 5e-3 * m).probe({0.02, 0.04, 1e-5 * m}).probe({0.04, 0.02, 1e-4 * m});
     }
     w.variant("wear").amplitude("change", -0.9, 3.0, 0.1).extent("distance_m", 0.05 * s.travel, 50.0 * s.travel);
     w.probe({0.3, s.travel}).probe({-0.3, s.travel}).probe({0.3, 5.0 * s.travel});
@@ -375,6 +385,9 @@ void apparatus(CandidateBuilder& w, const ExperimentScales& s) {
     w.variant("backlash", "taken up by the force").with("law", 1);
     w.amplitude("play_m", 0.0, 0.2 * s.travel, 3e-3 * s.travel).extent("force_N", 1e-4 * s.force, s.force);
     w.probe({1e-2 * s.travel, 0.02 * s.force}).probe({3e-2 * s.travel, 0.1 * s.force});
+    w.variant("support_settlement");
+    w.amplitude("bedding_m_N", 0.0, 0.1 * s.travel / s.force, 2e-3 * s.travel / s.force);
+    w.probe({5e-3 * s.travel / s.force}).probe({0.05 * s.travel / s.force});
     w.variant("misalignment", "offset").amplitude("offset_m", -0.3 * s.radius, 0.3 * s.radius, 0.01 * s.radius);
     w.probe({0.05 * s.radius}).probe({-0.05 * s.radius}).probe({0.015 * s.radius});
     w.variant("misalignment", "tilt").amplitude("tilt_rad", -0.3, 0.3, 0.01).probe({0.03}).probe({-0.03}).probe({0.1});
@@ -457,6 +470,19 @@ void bodies(CandidateBuilder& w, const replay::FreeScales& s, const Experiment& 
 }
 
 } // namespace
+
+Result<effects::Setting> settingAt(const EffectMapping& mapping, const CandidateEffect& candidate,
+                                   const std::vector<double>& values) {
+    std::vector<double> physical;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        physical.push_back(toPhysical(candidate.parameters[i].scale, values[i]));
+    if (mapping.own != nullptr)
+        return settingOf(*mapping.own, physical, *mapping.range);
+    effects::Setting setting = mapping.base;
+    for (std::size_t i = 0; i < physical.size(); ++i)
+        setting.values[mapping.parameterAt[i]] = physical[i];
+    return setting;
+}
 
 CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std::string>& without, double largestBend) {
     CandidateEffects candidateEffects;

@@ -6,10 +6,15 @@
 #include "plugin/recording/experiment/experiment.h"
 #include "plugin/recording/experiment/natural_units.h"
 #include "supercircle/effects/effect.h"
+#include "supercircle/support/result.h"
 
+#include <memory>
 #include <vector>
 
 namespace supercircle::diagnosis {
+
+struct OwnLaw;
+struct OwnLawRange;
 
 /// Effects on readings only, applied after the simulation.
 enum class ReadingEffect : std::uint8_t { None, Drift, Gain, ByTime, ByDisplacement, ByDirection };
@@ -19,7 +24,13 @@ struct EffectMapping {
     effects::Setting base;                ///< with its fixed parameters
     std::vector<std::size_t> parameterAt; ///< catalogue index of each scalar of the candidate
     ReadingEffect readingEffect = ReadingEffect::None;
+    std::shared_ptr<const OwnLaw> own{};        ///< a law of the user, which makes the setting of all its values
+    std::shared_ptr<const OwnLawRange> range{}; ///< of its table
 };
+
+/// The setting at internal values of a candidate. Fails where a law of the user has no value.
+Result<effects::Setting> settingAt(const EffectMapping& mapping, const CandidateEffect& candidate,
+                                   const std::vector<double>& values);
 
 struct CandidateEffects {
     std::vector<CandidateEffect> candidates;

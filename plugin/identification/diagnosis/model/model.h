@@ -38,7 +38,8 @@ struct Scalar {
     /// Index into Model::batch(): it is the deviation of its specimen, and `step` the scale of the scatter. -1: it is
     /// none.
     int batch = -1;
-    bool doubtful = false; ///< the description states it for the set-up or a specimen, so that it may be wrong
+    bool doubtful = false;  ///< the description states it for the set-up or a specimen, so that it may be wrong
+    double precision = 0.0; ///< of a normal prior, 1/step^2; 0: anywhere between the bounds alike
 };
 
 /// A parameter that differs between specimens. Their deviations from a common value are normal with a standard
@@ -91,6 +92,7 @@ struct CandidateEffect {
     std::ptrdiff_t number = -1;
     [[nodiscard]] bool isNumber() const { return number >= 0; }
     bool corrects = false; ///< it, too, corrects what the description states, and adds no physics
+    std::string acting{};  ///< what acts in the simulation, which acts once; empty: what the label says
 };
 
 /// An effect with values.

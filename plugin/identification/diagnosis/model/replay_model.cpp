@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/replay_model.h"
 
 #include "plugin/identification/diagnosis/model/batch_factors.h"
+#include "plugin/identification/diagnosis/model/own_law.h"
 #include "plugin/identification/diagnosis/model/stated_numbers.h"
 #include "plugin/identification/diagnosis/next_experiment/candidate_runs.h"
 #include "plugin/identification/diagnosis/simulation_cache.h"
@@ -55,6 +56,24 @@ Scalar ordinaryCompliance(const experiment::Experiment& e) {
     return s;
 }
 
+/// Of a prior without ends: four standard deviations to either side, beyond which nothing is looked for.
+void takePrior(const experiment::Stated& stated, Scalar& s) {
+    constexpr double kFarthest = 4.0, kLeast = 1e-3; // standard deviations; of a positive value
+    if (stated.prior == experiment::Prior::Interval)
+        return;
+    s.precision = experiment::Stated::kDeviations * experiment::Stated::kDeviations;
+    if (stated.prior == experiment::Prior::LogNormal) {
+        s.scale = Scale::Logarithm;
+        s.step /= s.value;
+        s.value = math::log(s.value);
+    }
+    const double most = kFarthest / experiment::Stated::kDeviations * s.step;
+    s.lower = s.value - most;
+    s.upper = s.value + most;
+    if (s.scale == Scale::Linear && s.value > 0.0)
+        s.lower = std::max(s.lower, kLeast * s.value);
+}
+
 /// Parameters with a stated interval. Specimens with different descriptions have parameters of their own.
 std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
     std::vector<Scalar> all;
@@ -75,6 +94,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         if (s.name == "friction")
             s.lower = std::max(0.0, s.lower);
         s.step = info.stated.halfWidth;
+        takePrior(info.stated, s);
         s.specimen = info.specimen;
         s.doubtful = !info.ofRecording;
         all.push_back(s);
@@ -116,7 +136,8 @@ replay::Simulated simulateWithin(const experiment::Experiment& e, std::size_t ru
     return s;
 }
 
-/// Largest curvature change in the run with the largest displacement, with the stated parameters.
+} // namespace
+
 double largestBend(const experiment::Experiment& e, const std::atomic<bool>* interrupt) {
     std::size_t farthest = 0;
     double most = 0.0;
@@ -131,6 +152,8 @@ double largestBend(const experiment::Experiment& e, const std::atomic<bool>* int
     return simulateWithin(e, farthest, replay::nominal(e), replay::Resolution::coarse(), interrupt)
         .largestCurvatureChange;
 }
+
+namespace {
 
 /// Index of the first run with the same simulation, for each run.
 std::vector<std::size_t> replicatesOf(const experiment::Experiment& e) {
@@ -188,8 +211,8 @@ Response responseOf(const experiment::Experiment& e, std::size_t run, const repl
 
 ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std::string>& without,
                          const std::atomic<bool>* interrupt)
-    : experiment_(e), nominal_(nominalOf(e)),
-      candidateEffects_(candidateEffectsFor(e, without, largestBend(e, interrupt))), replicates_(replicatesOf(e)) {
+    : experiment_(e), nominal_(nominalOf(e)), largestBend_(largestBend(e, interrupt)),
+      candidateEffects_(candidateEffectsFor(e, without, largestBend_)), replicates_(replicatesOf(e)) {
     const ExperimentScales s = scalesOf(e);
     travel_ = s.travel;
     duration_ = s.duration;
@@ -198,6 +221,10 @@ ReplayModel::ReplayModel(const experiment::Experiment& e, const std::vector<std:
         for (const Scalar& deviation : deviationsOf(e, batch_[k], static_cast<int>(k)))
             nominal_.push_back(deviation);
     addStatedNumbers(nominal_, candidateEffects_);
+}
+
+std::string ReplayModel::add(const StartedLaw& law) {
+    return addOwnLaw(candidateEffects_, experiment_, law, ownLawRange(scalesOf(experiment_), largestBend_));
 }
 
 ParameterPoint ReplayModel::simulated(std::size_t run, const ParameterPoint& point) const {
@@ -254,11 +281,8 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
             to.array() -= zero / count;
     };
     if (mapping.readingEffect == ReadingEffect::Gain || mapping.readingEffect == ReadingEffect::Drift) {
-        effects::Setting setting = mapping.base;
-        for (std::size_t i = 0; i < term.values.size(); ++i)
-            setting.values[mapping.parameterAt[i]] =
-                toPhysical(candidateEffects_.candidates[term.candidate].parameters[i].scale, term.values[i]);
-        const effects::SensorModel sensor = effects::sensorOf({setting}, setting.channel);
+        const auto setting = settingAt(mapping, candidateEffects_.candidates[term.candidate], term.values);
+        const effects::SensorModel sensor = effects::sensorOf({*setting}, setting->channel);
         force *= 1.0 + sensor.gain;
         if (mapping.readingEffect == ReadingEffect::Drift)
             add(force, time, [&](std::size_t k) {
@@ -288,7 +312,7 @@ void ReplayModel::addReading(const Term& term, std::size_t run, const std::vecto
 std::string ReplayModel::setNominal(replay::Parameters& p, std::size_t index, double value) const {
     const Scalar& s = nominal_[index];
     if (s.batch < 0)
-        return replay::set(p, experiment_, s.name, value);
+        return replay::set(p, experiment_, s.name, toPhysical(s.scale, value));
     if (value == 0.0) // then it follows the common value
         return {};
     const std::string& common = batch_[static_cast<std::size_t>(s.batch)].name; // set before its deviations
@@ -311,13 +335,11 @@ std::string ReplayModel::parametersAt(const ParameterPoint& point, replay::Param
         const EffectMapping& mapping = candidateEffects_.mappings[t.candidate];
         if (mapping.readingEffect != ReadingEffect::None && mapping.parameterAt.empty())
             continue; // a learned one has no setting
-        effects::Setting setting = mapping.base;
-        for (std::size_t i = 0; i < t.values.size(); ++i) {
-            const Scalar& s = candidateEffects_.candidates[t.candidate].parameters[i];
-            setting.values[mapping.parameterAt[i]] = toPhysical(s.scale, t.values[i]);
-        }
-        if (!effects::isOff(setting))
-            p.effects.push_back(setting);
+        const auto setting = settingAt(mapping, candidateEffects_.candidates[t.candidate], t.values);
+        if (!setting)
+            return setting.error();
+        if (!effects::isOff(*setting))
+            p.effects.push_back(*setting);
     }
     return replay::checkEffects(p, experiment_);
 }
@@ -384,6 +406,7 @@ std::string ReplayModel::identity() const {
         id += s.name + ' ';
         add(s.value);
         add(s.step);
+        add(s.precision);
     }
     for (const experiment::Run& run : experiment_.runs) {
         id += '\n' + run.file;
@@ -396,7 +419,7 @@ std::string ReplayModel::identity() const {
     for (const CandidateEffect& c : candidateEffects_.candidates) {
         id += '\n' + c.label + '/' + c.variant;
         for (const Scalar& s : c.parameters)
-            id += ' ' + s.name;
+            id += ' ' + s.name + std::to_string(static_cast<int>(s.scale));
     }
     for (const EffectMapping& r : candidateEffects_.mappings)
         for (const double v : r.base.values)

@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/model/stated_numbers.h"
 
 #include "plugin/identification/diagnosis/result.h"
+#include "supercircle/support/elementary.h"
 
 #include <algorithm>
 
@@ -22,10 +23,14 @@ void addStatedNumbers(const std::vector<Scalar>& nominal, CandidateEffects& all)
             continue;
         Scalar s = nominal[i];
         s.amplitude = true;
+        s.precision = 0.0;
         s.specimen = -1;
         s.upper = s.value + kFarthest * s.step;
         s.lower = s.value - kFarthest * s.step;
-        if (nominal[i].lower > 0.0)
+        if (s.scale == Scale::Logarithm) {
+            s.lower = std::max(s.lower, s.value + math::log(kSmallest));
+            s.upper = std::min(s.upper, s.value - 2.0 * math::log(kSmallest));
+        } else if (nominal[i].lower > 0.0)
             s.lower = std::max(s.lower, kSmallest * s.value);
         else if (nominal[i].lower == 0.0)
             s.lower = 0.0;

@@ -100,8 +100,10 @@ std::vector<NominalResult> presentNominal(const Model& model, const FitResult& n
         const Scalar& s = v.scalar(i);
         if (s.batch >= 0)
             continue;
-        out.push_back(
-            {s.name, s.unit, s.value, s.step, nominal.point.nominal[static_cast<std::size_t>(i)], nominal.x[i]});
+        const double stated = toPhysical(s.scale, s.value), fitted = nominal.point.nominal[static_cast<std::size_t>(i)];
+        const bool logarithmic = s.scale == Scale::Logarithm;
+        out.push_back({s.name, s.unit, stated, logarithmic ? stated * s.step : s.step, toPhysical(s.scale, fitted),
+                       nominal.x[i], s.precision > 0.0 ? (logarithmic ? "log_normal" : "normal") : ""});
     }
     return out;
 }

@@ -49,7 +49,7 @@ std::vector<BatchResult> presentBatch(const Model& model, const Likelihood& like
         b.evidence = s.evidence;
         const std::vector<Scalar>& nominal = model.nominal();
         for (std::size_t i = 0; i < nominal.size(); ++i) // the common value before its deviations
-            if (const double value = f.point.nominal[i]; nominal[i].name == factor.name)
+            if (const double value = toPhysical(nominal[i].scale, f.point.nominal[i]); nominal[i].name == factor.name)
                 b.common = value;
             else if (nominal[i].batch == static_cast<int>(k))
                 b.specimens.emplace_back(nominal[i].name.substr(factor.name.size() + 1), b.common + value);

@@ -55,7 +55,7 @@ std::vector<std::vector<double>> otherPositions(const Term& present, Index posit
 
 /// Whether an amplitude may have either sign.
 bool hasEitherSign(const Scalar& s) {
-    return s.amplitude && s.lower < 0.0 && s.upper > 0.0;
+    return s.amplitude && s.scale != Scale::Logarithm && s.lower < 0.0 && s.upper > 0.0;
 }
 
 /// Starts with the sign of one amplitude changed, where that explains anything.

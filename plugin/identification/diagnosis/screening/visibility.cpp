@@ -29,7 +29,7 @@ Eigen::VectorXd changeOf(const Likelihood& likelihood, const std::vector<Respons
 } // namespace
 
 bool VisibleNumber::seen() const {
-    return left < 0.5 * halfWidth / std::sqrt(3.0);
+    return left < 0.5 * known;
 }
 
 bool VisibleEffect::seen() const {
@@ -76,11 +76,17 @@ Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator&
         jacobian.col(i) =
             changeOf(likelihood, all[static_cast<std::size_t>(i) + 1], base) / steps[static_cast<std::size_t>(i)];
     constexpr double kPrior = 3.0; // inverse variance of an interval, in half-widths
-    const Eigen::MatrixXd covariance = dense::inverseLdlt(
-        Eigen::MatrixXd(jacobian.transpose() * jacobian + kPrior * Eigen::MatrixXd::Identity(count, count)));
+    Eigen::MatrixXd precision = jacobian.transpose() * jacobian;
+    for (Index i = 0; i < count; ++i) {
+        const double own = nominal[static_cast<std::size_t>(i)].precision;
+        precision(i, i) += own > 0.0 ? own : kPrior;
+    }
+    const Eigen::MatrixXd covariance = dense::inverseLdlt(precision);
     for (Index i = 0; i < count; ++i) {
         const Scalar& s = nominal[static_cast<std::size_t>(i)];
-        out.numbers.push_back({s.name, s.unit, s.step, s.step * std::sqrt(covariance(i, i))});
+        const double unit = s.scale == Scale::Logarithm ? toPhysical(s.scale, s.value) * s.step : s.step;
+        const double known = unit / std::sqrt(s.precision > 0.0 ? s.precision : kPrior);
+        out.numbers.push_back({s.name, s.unit, unit, known, unit * std::sqrt(covariance(i, i))});
     }
     for (std::size_t p = nominal.size() + 1; p < points.size(); ++p) {
         const Eigen::VectorXd change = changeOf(likelihood, all[p], base);

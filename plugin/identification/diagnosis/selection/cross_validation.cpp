@@ -28,8 +28,7 @@ Eigen::VectorXd maskOf(const Grouping& g, int fold) {
 Eigen::MatrixXd priorOf(const Variables& v) {
     Eigen::VectorXd p(v.size());
     for (Index i = 0; i < v.size(); ++i) {
-        const double width = std::min(v.upper[i] - v.lower[i], i < v.nominal ? 1e9 : 20.0);
-        p[i] = 12.0 / (width * width); // of a uniform distribution
+        p[i] = v.intervalPrecision(i, i < v.nominal ? 1e9 : 20.0);
     }
     return p.asDiagonal();
 }
@@ -271,6 +270,8 @@ struct FoldFit {
 FoldFit fitToTraining(Evaluator& evaluator, const Likelihood& likelihood, const Variables& v, const Eigen::MatrixXd& J,
                       const Eigen::MatrixXd& damped, const Eigen::VectorXd& train, FoldFit at) {
     constexpr double kPromises = 0.1; // smaller predicted decreases are not worth a simulation
+    const Eigen::VectorXd precision = v.normalPrecision();
+    const auto priors = [&](const Eigen::VectorXd& x) { return x.dot(precision.cwiseProduct(x)); };
     for (int correction = 0; correction < 2; ++correction) {
         const Eigen::VectorXd far = Eigen::VectorXd::Constant(v.size(), 2.0);
         const Eigen::VectorXd gradient = J.transpose() * train.cwiseProduct(at.residual) - v.penalty * at.x;
@@ -285,7 +286,7 @@ FoldFit fitToTraining(Evaluator& evaluator, const Likelihood& likelihood, const 
         to.residual = *residual;
         to.maskPenalty = likelihood.maskPenalty(to.responses);
         // A step that increases chi-squared of the training rows is rejected.
-        if (to.chiSquared(train) > at.chiSquared(train) + 1.0)
+        if (to.chiSquared(train) + priors(to.x) > at.chiSquared(train) + priors(at.x) + 1.0)
             break;
         at = std::move(to);
     }

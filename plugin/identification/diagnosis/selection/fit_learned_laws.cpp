@@ -28,12 +28,18 @@ double predictedGain(const Variables& v, const Eigen::MatrixXd& J, const FitResu
     return 2.0 * g.dot(step) - step.dot(G * step);
 }
 
+/// Adds the inverse variances of uniform intervals; normal priors are part of the penalty.
+void addIntervals(const Variables& v, Eigen::MatrixXd& precision) {
+    for (Index i = 0; i < v.nominal; ++i)
+        precision(i, i) += v.scalar(i).precision > 0.0 ? 0.0 : 3.0;
+}
+
 /// S. N. Wood, M. Fasiolo (2017), eq. 3, with the scale known.
 double smoothed(const Variables& v, const FitResult& f, double smoothing) {
     const Index n = v.size() - v.nominal;
     const Eigen::MatrixXd S = smoothingPenalty(n, smoothing) - smoothingPenalty(n, 0.0);
     Eigen::MatrixXd precision = f.jacobian.transpose() * f.jacobian + v.penalty;
-    precision.topLeftCorner(v.nominal, v.nominal).diagonal().array() += 3.0; // prior of uniform intervals
+    addIntervals(v, precision);
     const Eigen::MatrixXd covariance = dense::inverseLdlt(precision);
     const Eigen::VectorXd c = f.x.tail(n);
     const double freedom = static_cast<double>(n - 2) - (covariance.bottomRightCorner(n, n) * S).trace();
@@ -109,7 +115,7 @@ LearnedLaw learnedLawOf(const Model& model, const Likelihood& likelihood, const 
     const double spread =
         std::max(1.0, hypotheses.fit.chiSquared / static_cast<double>(std::max<Index>(1, likelihood.countedRows())));
     Eigen::MatrixXd precision = hypotheses.fit.jacobian.transpose() * hypotheses.fit.jacobian / spread + v.penalty;
-    precision.topLeftCorner(v.nominal, v.nominal).diagonal().array() += 3.0;
+    addIntervals(v, precision);
     const Eigen::MatrixXd posterior = dense::inverseLdlt(precision).bottomRightCorner(n, n);
     const Eigen::MatrixXd prior = dense::inverseLdlt(v.penalty.bottomRightCorner(n, n));
     constexpr int kPoints = 41;

@@ -32,6 +32,10 @@ std::vector<FittedHypothesis> fitTwoEffects(Evaluator& evaluator, const Likeliho
     const auto labelOf = [&](std::size_t candidate) -> const std::string& {
         return model.candidates()[candidate].label;
     };
+    const auto actingOf = [&](std::size_t candidate) -> const std::string& {
+        const CandidateEffect& c = model.candidates()[candidate];
+        return c.acting.empty() ? c.label : c.acting;
+    };
     std::vector<FittedHypothesis> pairs;
     std::set<std::pair<std::string, std::string>> known;
     double least = 0.0;
@@ -45,7 +49,7 @@ std::vector<FittedHypothesis> fitTwoEffects(Evaluator& evaluator, const Likeliho
         std::size_t taken = 0;
         for (const RankedProbes& probes : byLabel(model, screened, kLeast)) {
             const std::string& second = labelOf(probes.front()->candidate);
-            if (second == first)
+            if (second == first || actingOf(probes.front()->candidate) == actingOf(candidate))
                 continue;
             // The screening is linear. An effect that explains little of a large residual is not its cause, and one far
             // behind the best is not worth a fit.

@@ -151,6 +151,37 @@ TEST_CASE("a block on a belt is dragged by the friction of its law", "[replay][m
     CHECK(at(law.readings, 3.5) == Approx(4.0 * (1.0 + 0.03 * std::log1p(v2 / 1e-3))).epsilon(1e-6));
 }
 
+TEST_CASE("a block on a belt shows the direct effect, the age of its contacts and their healing at rest",
+          "[replay][mechanism]") {
+    // 1 mm/s, rests of 2 and 20 s, then 10 mm/s; 4 N in steady sliding at 1 mm/s, a = 0.02, b = 0.03, Dc 20 um.
+    const auto e = experimentWith(
+        "block_on_belt", "force", "force_N", "",
+        R"("drive_time_s": [0, 2, 4, 6, 26, 28, 30], "drive_displacement_mm": [0, 2, 2, 4, 4, 6, 26])", 2000.0);
+    replay::Parameters p = replay::nominal(e);
+    for (const char* setting : {"a_over_mu=0.02", "b_over_mu=0.03", "Dc_m=2e-5", "V0_m_s=1e-3", "creep_m_s=1e-6"})
+        REQUIRE(effects::add(p.effects, std::string("rate_and_state_friction:") + setting) == "");
+    const auto out = replay::simulate(e, 0, p, replay::Resolution::fine());
+    REQUIRE(out.failure == "");
+    const auto at = [&](double t) { return out.readings.force[static_cast<std::size_t>(std::lround(2000.0 * t))]; };
+    const auto largest = [&](double from, double to) {
+        double most = 0.0;
+        for (double t = from; t < to; t += 5e-4)
+            most = std::max(most, at(t));
+        return most;
+    };
+    // Steady after 25 and more Dc; the creep speed changes it by 2e-5 at 1 mm/s.
+    for (const double t : {1.9, 5.9, 27.9})
+        CHECK(at(t) == Approx(4.0 * (1.0 + 0.02 * std::log1p(1e-3))).epsilon(1e-6));
+    CHECK(at(29.9) == Approx(4.0 * (1.0 - 0.01 * std::log(10.0) + 0.02 * std::log1p(1e-4))).epsilon(1e-6));
+    // The peaks after both rests differ by b ln of the ratio of their ages: 2 and 20 s longer than Dc / V0 = 20 ms.
+    // What slips before the peak renews more of the older contacts: 2 % of the difference, by backward Euler elsewhere.
+    const double peaks = largest(26.01, 27.0) - largest(4.01, 5.0);
+    CHECK(peaks == Approx(4.0 * 0.03 * std::log(20.0 / 2.0)).epsilon(0.03));
+    // A jump to 10 mm/s: the direct effect, less what 0.2 mm/s of the load cell's give and the renewal take of it.
+    CHECK(largest(28.0, 28.1) > at(27.9) + 0.6 * 4.0 * 0.02 * std::log(10.0));
+    CHECK(largest(28.0, 28.1) < at(27.9) + 4.0 * 0.02 * std::log(10.0));
+}
+
 TEST_CASE("a bead on a turning rod moves as the hyperbolic cosine", "[replay][mechanism]") {
     step::RigidWorldDefinition w;
     w.gravity = Vec2::Zero();

@@ -253,6 +253,11 @@ TEST_CASE("a released cantilever vibrates with its own frequency and damping", "
     const double period = (free[8].first - free[0].first) / 8.0;
     CHECK(2.0 * M_PI / period == Approx(w).epsilon(1e-3));
     CHECK(free[7].second == Approx(0.9707 * 0.005 * std::pow(length, 3) / (3.0 * b)).epsilon(0.03));
+    // A body as heavy as the strip at its end: the root of the characteristic equation falls to 1.24792.
+    const auto heavy = tops(R"("pull": 0.005, "tip_mass": 0.0468)", 1.6);
+    REQUIRE(heavy.size() > 4);
+    CHECK(2.0 * M_PI * 4.0 / (heavy[4].first - heavy[0].first) ==
+          Approx(std::pow(1.24792 / length, 2) * std::sqrt(b / line)).epsilon(1e-3));
     const double ratio = 0.05;
     const auto damped = tops(R"("pull": 0.005, "damping_ratio": 0.05)", 0.6);
     REQUIRE(damped.size() > 4);

@@ -135,6 +135,40 @@ TEST_CASE("a series compliance shifts the curve by c F", "[replay]") {
     }
 }
 
+TEST_CASE("supports that bed in shift the first loading by their share of the force, later ones by the largest",
+          "[replay]") {
+    // The specimen of 106 is rate independent, so F(d) behind a settled support is F(d - c F) of the first loading
+    // without, and F(d - c F_max) of what follows.
+    experiment::Experiment e = baseline(106);
+    driven(e, {0.0, 1.0, 6.0, 11.0, 15.0}, {0.0, 0.0, 5e-3, 0.0, 4e-3});
+    replay::Parameters p = replay::nominal(e);
+    const double c = 2e-4; // m/N
+    REQUIRE(effects::add(p.effects, "support_settlement:bedding_m_N=2e-4").empty());
+    const replay::Simulated settled = simulated(e, p);
+    p.effects.clear();
+    experiment::Experiment shifted = e; // what the crosshead does, on stiff supports
+    shifted.runs[0].driveTime = settled.readings.time;
+    shifted.runs[0].driveDisplacement.clear();
+    double largest = 0.0;
+    for (std::size_t k = 0; k < settled.readings.time.size(); ++k) {
+        largest = std::max(largest, settled.readings.force[k]);
+        shifted.runs[0].driveDisplacement.push_back(settled.readings.displacement[k] - c * largest);
+    }
+    REQUIRE(c * largest > 5e-5); // a hundredth of the travel
+    const replay::Simulated stiff = simulated(shifted, p);
+    for (const double t : {3.0, 4.0, 5.5, 6.5, 7.0, 8.0, 13.0, 14.0, 14.8}) {
+        INFO("at " << t << " s: " << forceAt(settled, t) << " N and " << forceAt(stiff, t) << ", largest " << largest);
+        CHECK(std::abs(forceAt(settled, t) - forceAt(stiff, t)) < 0.01 * largest); // as with a compliance
+    }
+    // It is not elastic: with a machine of that compliance the way back is another one.
+    p.seriesCompliance = c;
+    const replay::Simulated elastic = simulated(e, p);
+    double apart = 0.0;
+    for (double t = 6.05; t < 11.0; t += 0.05)
+        apart = std::max(apart, std::abs(forceAt(settled, t) - forceAt(elastic, t)));
+    CHECK(apart > 0.02 * largest);
+}
+
 TEST_CASE("while a soft machine holds, the crosshead follows relaxation", "[replay]") {
     // d = x + c F also while the drive rests: as F falls, x grows. A rigid machine that follows x(t) = d(t) - c F(t) of
     // the soft one must read the same F.

@@ -7,6 +7,7 @@
 #include "plugin/api/snapshot_effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supercircle::archive {
 
@@ -53,11 +54,12 @@ void io(Ar& ar, Is<step::Target> auto& t) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop] = h;
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop, turnStiffness] = h;
     auto& [time, body, since, driven, byHold, byHoldBefore] = stop;
     ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);
     ioUnless(ar, !(maxForce > 0), maxForce);
+    ioUnless(ar, !(turnStiffness > 0), turnStiffness);
     ar.unhashed(time, body, since, driven, byHold, byHoldBefore); // found anew in every frame, but for the events
 }
 
@@ -161,6 +163,10 @@ void io(Ar& ar, Is<step::Rod> auto& r) {
         if (std::any_of(holds.begin(), holds.end(), outside) || std::any_of(forces.begin(), forces.end(), outside) ||
             std::any_of(mouseJoints.begin(), mouseJoints.end(), outside))
             ar.fail("a hold, force or mouse joint in it lies outside its shell");
+        if (std::any_of(holds.begin(), holds.end(), [](const step::Hold& h) {
+                return !(h.turnStiffness >= 0.0 && std::isfinite(h.turnStiffness));
+            }))
+            ar.fail("a clamp in it has a stiffness that is no number or negative");
         kin.evaluate(model, q);
         rod::evaluateGauss(model, kin, gauss);
     }

@@ -28,7 +28,8 @@ const std::vector<Effect>& catalog() {
                                              guideFriction(),
                                              nonlinearSpring(),
                                              rateAndStateFriction(),
-                                             supportSettlement()};
+                                             supportSettlement(),
+                                             clampCompliance()};
     return kAll;
 }
 

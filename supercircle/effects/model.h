@@ -42,6 +42,7 @@ enum class Key : std::uint8_t {
     NonlinearSpring,
     RateAndStateFriction,
     SupportSettlement,
+    ClampCompliance,
     Count
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Count);
@@ -188,18 +189,25 @@ struct ContactModel {
 
 /// The testing machine.
 struct ApparatusModel {
-    double compliance = 0.0;  ///< of the machine, m/N
-    double backlash = 0.0;    ///< travel lost at a reversal, m
-    double slack = 0.0;       ///< travel lost where the force changes its sign, m
-    double slackForce = 1e-3; ///< force scale over which the slack is taken up, N
-    double bedding = 0.0;     ///< travel lost for good, over the largest force so far, m/N
-    double offset = 0.0;      ///< sideways position of what the crosshead carries, m
-    double tilt = 0.0;        ///< its rotation, rad
+    double compliance = 0.0;      ///< of the machine, m/N
+    double backlash = 0.0;        ///< travel lost at a reversal, m
+    double slack = 0.0;           ///< travel lost where the force changes its sign, m
+    double slackForce = 1e-3;     ///< force scale over which the slack is taken up, N
+    double bedding = 0.0;         ///< travel lost for good, over the largest force so far, m/N
+    double offset = 0.0;          ///< sideways position of what the crosshead carries, m
+    double tilt = 0.0;            ///< its rotation, rad
+    double clampCompliance = 0.0; ///< angle over moment of every clamp, rad/(N m)
 
+    /// Whether the crosshead is not where it is commanded.
     [[nodiscard]] bool on() const {
         return compliance > 0.0 || backlash > 0.0 || slack > 0.0 || bedding > 0.0 || offset != 0.0 || tilt != 0.0;
     }
 };
+
+/// Of every clamp, torque over angle, N m; 0: rigid.
+[[nodiscard]] inline double turnStiffness(const ApparatusModel& a) {
+    return a.clampCompliance > 0.0 ? 1.0 / a.clampCompliance : 0.0;
+}
 
 /// The load cell and its signal chain.
 struct SensorModel {

@@ -40,7 +40,8 @@ struct HoldStop {
     bool byHold = false, byHoldBefore = false; ///< another hold of the shell stops it at `time`; it did before
 };
 
-/// Holds one material point of a rod: position, and direction too when `clamped`.
+/// Holds one material point of a rod: position, and direction too when `clamped`. A clamp that yields has a spring for
+/// the direction (rods/hold_springs.h).
 struct Hold {
     double s = 0.0;           ///< rod arc length, m
     bool clamped = true;      ///< false: pinned (position only)
@@ -51,6 +52,9 @@ struct Hold {
     double maxForce = 0.0;        ///< N, beyond which it breaks; 0: never
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
     HoldStop stop;
+    double turnStiffness = 0.0; ///< torque over angle of a clamp that yields, N m; 0: it does not
+    [[nodiscard]] bool yields() const { return clamped && turnStiffness > 0.0; }
+    [[nodiscard]] bool fixesAngle() const { return clamped && !yields(); }
 };
 
 /// A force (and torque) that somebody else applies, constant in the world frame within a step.

@@ -337,7 +337,7 @@ void Procedure::computeWeights(ModelWeights& w) {
                 given.largestZ[part] = largestResidualZ(residualOf(part));
     w = modelWeights(baselineScore_, held, given);
     if (!hypotheses_.empty() && !evaluator_.stopped()) {
-        given.largestZ[w.best] = largestResidualZ(residualOf(w.best));
+        given.residualP = residualOf(w.best).extendedP;
         w = modelWeights(baselineScore_, held, given);
     }
     if (settings_.ablation.openSet)

@@ -300,6 +300,12 @@ bool acts(const Experiment& experiment, effects::Key key, std::size_t channel) {
     case effects::Key::Misalignment:
         return !experiment::isFree(experiment) && !experiment::drivesLoad(experiment) &&
                (!mechanism || key == effects::Key::Backlash);
+    case effects::Key::ClampCompliance:
+        return experiment.scene ? experiment.scene->clamps
+                                : std::any_of(experiment.specimens.begin(), experiment.specimens.end(),
+                                              [](const experiment::Specimen& s) {
+                                                  return s.clamp.where != experiment::ClampPlace::None;
+                                              });
     case effects::Key::SensorDrift:
         return !experiment.scene || observationOf(experiment, channel).of == scene::Observation::Of::Machine;
     case effects::Key::Gravity:

@@ -255,6 +255,7 @@ void TestRig::addSpecimen(const Specimen& s, const SpecimenParameters& own, cons
     hold.onCrosshead = onHead;
     hold.target.point = point;
     hold.target.angle = angle;
+    hold.turnStiffness = turnStiffness(common_.apparatus);
     world_.rods[index].holds.push_back(hold);
 }
 

@@ -240,6 +240,7 @@ void TestRig::addHolds(const scene::Scene& scene) {
         step::Hold hold;
         hold.s = h.arc_fraction * rod.model.definition().length;
         hold.clamped = h.kind == HoldKind::Clamp;
+        hold.turnStiffness = hold.clamped ? turnStiffness(common_.apparatus) : 0.0;
         hold.onCrosshead = h.base == HoldBase::Moving;
         const rod::MaterialPoint at = rod::locate(rod.model, hold.s);
         hold.target.point = rod.kin.point(at);

@@ -10,7 +10,8 @@ namespace supercircle::lab {
 
 /// What is kept of every step.
 void Session::record() {
-    largestForce_ = std::max(largestForce_, force());
+    if (apparatus_.bedding > 0.0)
+        largestForce_ = std::max(largestForce_, force());
     sample();
     keepFrame(false);
     watchVibration();

@@ -157,6 +157,9 @@ std::string Session::populate() {
         if (!made)
             return "hold on \"" + h.shell + "\": " + made.error();
     }
+    for (step::Rod& rod : shells_.world().rods)
+        for (step::Hold& hold : rod.holds)
+            hold.turnStiffness = hold.clamped ? effects::turnStiffness(apparatus_) : 0.0;
     for (const scene::PointLoad& load : scene_.loads) {
         const auto it = std::find_if(named.begin(), named.end(), [&](const auto& n) { return n.first == load.shell; });
         if (it == named.end())

@@ -157,8 +157,9 @@ struct FreeScene {
     bool driven = false;        ///< a machine moves a body or holds of the scene
     /// The files are tables of states of rest, without times: their clock is made up (decision 0220).
     bool table = false;
-    bool turns = true; ///< it has revolute joints
-    bool rubs = false; ///< its joints have dry friction of their own, or shells can touch something
+    bool turns = true;   ///< it has revolute joints
+    bool clamps = false; ///< a shell is clamped
+    bool rubs = false;   ///< its joints have dry friction of their own, or shells can touch something
 };
 
 /// Whether the scene is one that comes with the program: a name without ending and folder.

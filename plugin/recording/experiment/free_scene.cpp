@@ -317,6 +317,8 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     if (e.gravityOfScene)
         e.gravity = {s.rigid.gravity.x(), s.rigid.gravity.y()};
     own.turns = any([](const step::JointDefinition& j) { return j.kind == step::JointKind::Revolute; });
+    own.clamps =
+        std::any_of(s.holds.begin(), s.holds.end(), [](const HoldDef& h) { return h.kind == HoldKind::Clamp; });
     own.rubs =
         any([](const step::JointDefinition& j) { return j.friction.sticking > 0.0; }) ||
         (!s.shells.empty() && (s.shells.size() > 1 || std::any_of(s.rigid.bodies.begin(), s.rigid.bodies.end(),

@@ -72,5 +72,6 @@ Effect guideFriction();
 Effect nonlinearSpring();
 Effect rateAndStateFriction();
 Effect supportSettlement();
+Effect clampCompliance();
 
 } // namespace supercircle::effects

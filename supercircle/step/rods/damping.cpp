@@ -56,7 +56,10 @@ Coarse coarse(const Rod& rod) {
 double firstFrequency(const Rod& rod) {
     const Coarse few = coarse(rod);
     Eigen::MatrixXd held;
-    holdRows(few.model, rod.holds, few.kin, held);
+    std::vector<Hold> rigid = rod.holds; // a clamp that yields counts as one that does not
+    for (Hold& h : rigid)
+        h.turnStiffness = 0.0;
+    holdRows(few.model, rigid, few.kin, held);
     const Eigen::VectorXd frequencies = rod::circularFrequencies(few.model, few.q, held);
     return frequencies.size() > 0 ? frequencies[0] : 0.0;
 }

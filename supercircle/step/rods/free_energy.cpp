@@ -4,6 +4,7 @@
 #include "supercircle/rod/inertia.h"
 #include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/free_system.h"
+#include "supercircle/step/rods/hold_springs.h"
 
 namespace supercircle::step {
 
@@ -24,7 +25,7 @@ double FreeSystem::energyAtStart() {
     double energy = 0.0;
     for (std::size_t i = 0; i < size(); ++i)
         energy += bentEnergy(rod(i), free(i).q, free(i).overstress, 0.0) + potentialOf(i) +
-                  rod::kineticEnergy(rod(i).gauss, rod(i).u);
+                  holdSpringEnergy(world_, rod(i), work(i).kin, 0.0) + rod::kineticEnergy(rod(i).gauss, rod(i).u);
     for (const FreeBody& b : g_.bodies)
         energy += 0.5 * b.p.dot(b.v) - b.pull.dot(b.q);
     return energy;
@@ -34,7 +35,8 @@ double FreeSystem::energyAtEnd(double ahead) {
     double energy = 0.0;
     for (std::size_t i = 0; i < size(); ++i) {
         const FreeStage& s = free(i).stages[1];
-        energy += bentEnergy(rod(i), s.q, s.overstress, ahead) + potentialOf(i) + 0.5 * s.p.dot(s.v);
+        energy += bentEnergy(rod(i), s.q, s.overstress, ahead) + potentialOf(i) +
+                  holdSpringEnergy(world_, rod(i), work(i).kin, ahead) + 0.5 * s.p.dot(s.v);
     }
     for (const FreeBody& b : g_.bodies)
         energy += 0.5 * b.stages[1].p.dot(b.stages[1].v) - b.pull.dot(b.stages[1].q);

@@ -2,6 +2,7 @@
 
 #include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/hold_rows.h"
+#include "supercircle/step/rods/hold_springs.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -58,6 +59,7 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
     if (viscosity_ > 0.0)
         rod::addBendingStiffness(model, tau * viscosity_, w_.A);
     addRelaxingTangent(rod_, tau, w_.A);
+    addHoldSpringStiffness(rod_, w_.kin, tau * tau, w_.A);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
@@ -92,6 +94,7 @@ void FreeEquations::addBending(double tau, double ahead, FreeStage& s) {
     if (viscosity_ > 0.0)
         rod::addBendingDrag(model, viscosity_, s.v, f_.force);
     addRelaxing(rod_, tau, s, f_.force);
+    addHoldSpringForce(world_, rod_, w_.kin, ahead, 1.0, f_.force);
 }
 
 /// Rows of the centre of mass, times the mass.
@@ -134,7 +137,7 @@ void FreeEquations::holdRows() {
             f_.C.row(row + axis) -= f_.mean[axis].transpose() / mass();
             f_.C.row(row + axis).segment<2>(x()) = Vec2::Unit(axis);
         }
-        row += h.clamped ? 3 : 2;
+        row += h.fixesAngle() ? 3 : 2;
     }
 }
 

@@ -4,6 +4,7 @@
 #include "supercircle/step/rods/free_material.h"
 #include "supercircle/step/rods/free_system.h"
 #include "supercircle/step/rods/hold_rows.h"
+#include "supercircle/step/rods/hold_springs.h"
 #include "supercircle/step/rods/sdirk2.h"
 #include "supercircle/support/invariants.h"
 
@@ -386,6 +387,7 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     RodEnergies energies;
     FreeWork& f = w.free;
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
+    const double springs = holdSpringEnergy(world, rod, rod.kin, 0.0); // of the clamps, not of the rod
     energies.kineticChange = -rod::kineticEnergy(rod.gauss, rod.u);
     energies.bendingChange = rod::bendingEnergy(rod.model, w.q1) - rod::bendingEnergy(rod.model, rod.q);
     for (const AppliedForce& a : rod.forces) { // constant ones: their work is that of their way
@@ -400,7 +402,7 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     rod::evaluateGauss(rod.model, rod.kin, rod.gauss);
     energies.kineticChange += rod::kineticEnergy(rod.gauss, rod.u);
     energies.gravityChange = -rod.model.mass() * world.gravity.dot(rod::massCentre(rod.kin, rod.gauss) - before);
-    energies.holdWork = f.holdWork;
+    energies.holdWork = f.holdWork + springs - holdSpringEnergy(world, rod, w.kin1, dt);
     energies.damping = f.damped > 0.0 ? f.damped * (rod.dampingTime / viscosityOf(rod)) : 0.0;
     if (rod.effects.material.on())
         energies.effects = acceptMaterial(rod, dt, f.damped - energies.damping, f);
@@ -412,7 +414,7 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     for (Hold& h : rod.holds) {
         h.reaction = impulse.segment<2>(row) / f.tau;
         row += 2;
-        h.reactionTorque = h.clamped ? impulse[row++] / f.tau : 0.0;
+        h.reactionTorque = h.fixesAngle() ? impulse[row++] / f.tau : torqueOfHoldSpring(world, rod, h, w.kin1, dt);
         advanceTarget(world, dt, h);
     }
     rod.freeStep = f.size;

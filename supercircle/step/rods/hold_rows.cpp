@@ -20,9 +20,9 @@ void holdRows(const rod::RodModel& model, const std::vector<Hold>& holds, const 
     for (const Hold& h : holds) {
         const rod::MaterialPoint at = rod::locate(model, h.s);
         kin.pointRows(model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), C.middleRows<2>(row));
-        if (h.clamped)
+        if (h.fixesAngle())
             kin.angleRow(model, at, C.row(row + 2));
-        row += h.clamped ? 3 : 2;
+        row += h.fixesAngle() ? 3 : 2;
     }
     if (model.definition().closed)
         kin.closureRows(model, C.middleRows<3>(row));
@@ -36,9 +36,9 @@ void holdGaps(const World& world, const Rod& rod, const rod::Kinematics& kin, co
         const rod::MaterialPoint at = rod::locate(rod.model, h.s);
         const Pose goal = poseAfter(world, h, ahead);
         gaps.segment<2>(row) = goal.point - (kin.point(at) + shift);
-        if (h.clamped)
+        if (h.fixesAngle())
             gaps[row + 2] = goal.angle - kin.angle(at);
-        row += h.clamped ? 3 : 2;
+        row += h.fixesAngle() ? 3 : 2;
     }
     if (rod.model.definition().closed) { // both ends are one material point
         const rod::MaterialPoint first = rod::locate(rod.model, 0, 0.0);
@@ -55,9 +55,9 @@ void holdRates(const World& world, const Rod& rod, double ahead, Eigen::VectorXd
     for (const Hold& h : rod.holds) {
         const Pose p = poseAfter(world, h, ahead);
         rates.segment<2>(row) = p.velocity;
-        if (h.clamped)
+        if (h.fixesAngle())
             rates[row + 2] = p.spin;
-        row += h.clamped ? 3 : 2;
+        row += h.fixesAngle() ? 3 : 2;
     }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // What the holds of a rod, and the ends of a ring, ask of its motion (private to step/): rows C of their points and
-// angles, and how far these are from where they are to be. Order: each hold's x, y and, if clamped, angle; then x, y
-// and angle of the last end of a ring against the first.
+// angles, and how far these are from where they are to be. Order: each hold's x, y and, where a clamp fixes it, angle;
+// then x, y and angle of the last end of a ring against the first.
 
 #include "supercircle/step/world.h"
 
@@ -21,8 +21,8 @@ void holdRates(const World& world, const Rod& rod, double ahead, Eigen::VectorXd
 void forEachHeldPoint(const rod::RodModel& model, const std::vector<Hold>& holds, const auto& visit) {
     Eigen::Index row = 0;
     for (const Hold& h : holds) {
-        visit(row, h.clamped);
-        row += h.clamped ? 3 : 2;
+        visit(row, h.fixesAngle());
+        row += h.fixesAngle() ? 3 : 2;
     }
     if (model.definition().closed)
         visit(row, true);

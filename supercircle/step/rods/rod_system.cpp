@@ -4,6 +4,7 @@
 #include "supercircle/step/contacts/contact_stiffness.h"
 #include "supercircle/step/rods/effect_terms.h"
 #include "supercircle/step/rods/hold_rows.h"
+#include "supercircle/step/rods/hold_springs.h"
 #include "supercircle/support/invariants.h"
 #include "supercircle/support/trig.h"
 
@@ -149,6 +150,7 @@ void evaluateRod(const World& world, const Rod& rod, double dt, bool first, RodW
     addLoads(rod, dt, first, w);
     if (rod.effects.on())
         addEffects(rod, dt, !first, w);
+    addHoldSprings(world, rod, dt, w);
     evaluateHolds(world, rod, dt, w);
     SC_ASSERT(w.A.rows() == rod.model.dofs() && w.rhs.size() == w.A.rows(), "one equation for each degree of freedom");
 }
@@ -244,7 +246,10 @@ RodEnergies acceptRod(const World& world, Rod& rod, double dt, RodWork& w) {
         for (Hold& h : rod.holds) {
             h.reaction = Vec2(impulse[row], impulse[row + 1]) / dt;
             row += 2;
-            h.reactionTorque = h.clamped ? impulse[row++] / dt : 0.0;
+            h.reactionTorque = h.fixesAngle() ? impulse[row++] / dt : torqueOfHoldSpring(world, rod, h, w.kin1, dt);
+            if (h.yields()) // the spring is the clamp's, and what it stores is not the rod's
+                energies.holdWork += h.reactionTorque * (w.kin1.angle(rod::locate(rod.model, h.s)) -
+                                                         rod.kin.angle(rod::locate(rod.model, h.s)));
             advanceTarget(world, dt, h);
         }
     }

@@ -171,7 +171,7 @@ def test_cases_of_the_published_seed_are_not_seen_before_their_hashes_are(tmp_pa
                         (folder / "distance.csv").write_text("set_up,hidden,rms\n") and plans.SET_UPS)
     assert whole(tmp_path / "state") == 0 and not diagnosed
     assert "Commit it" in capsys.readouterr().out
-    hashes = (tmp_path / "r" / "docs/results/proof/proof_1.sha256").read_text()
+    hashes = (tmp_path / "r" / f"docs/results/proof/{plans.SET}.sha256").read_text()
     commit(tmp_path / "r", {})
     # Elsewhere the published recordings are unpacked, not made again.
     monkeypatch.setattr(conceal, "make_case", lambda case, seed: pytest.fail("made again"))

@@ -137,6 +137,59 @@ TEST_CASE("the reaction of a clamp carries weight and moment of what hangs from 
     }
 }
 
+TEST_CASE("a clamp that yields turns with its moment and gives its energy back", "[step]") {
+    // A level strip that its weight bends: at rest the moment at the clamp is that of the weight, and the section there
+    // has turned by the moment over the stiffness. Let go level, it swings about this rest for ten periods.
+    step::World w;
+    w.gravity = {0.0, -kG};
+    rod::RodDefinition d = paperShell();
+    d.naturalCurvature.assign(d.naturalCurvature.size(), 0.0);
+    const double stiffness = 2.0 * d.bendingModulus / d.length;
+    put(w, d, {0.0, 0.0}, 0.0, 0.3);
+    step::Hold hold = holdAt(w.rods[0], 0.0, true);
+    hold.turnStiffness = stiffness;
+    w.rods[0].holds.push_back(hold);
+    step::Rod& r = w.rods[0];
+    const auto stored = [&] {
+        const double off = angleOf(r, hold) - hold.target.angle;
+        return rod::kineticEnergy(r.gauss, r.u) + rod::bendingEnergy(r.model, r.q) + 0.5 * stiffness * off * off -
+               r.model.mass() * w.gravity.dot(rod::massCentre(r.kin, r.gauss));
+    };
+    SECTION("it swings") {
+        const double before = stored(), deepest = r.model.mass() * kG * 0.5 * d.length;
+        for (const bool game : {false, true}) {
+            step::World own = w;
+            step::Settings settings = game ? step::gameSettings() : step::Settings{};
+            settings.dampingRatio = 0.0;
+            step::Stepper s(settings);
+            double least = 0.0;
+            for (int i = 0; i < 600; ++i) {
+                REQUIRE(s.advance(own, 5e-3, nullptr, {}).failure.empty());
+                least = std::min(least, angleOf(own.rods[0], hold) - hold.target.angle);
+                CHECK((placeOf(own.rods[0], hold) - hold.target.point).norm() < 1e-9);
+            }
+            std::swap(own, w);
+            CHECK(least < -0.05);
+            // The same shares of its energy that a rigid clamp keeps (test_vibration.cpp): of what it swings with.
+            CHECK(std::abs(stored() - before) < (game ? 0.1 : 0.01) * deepest);
+            CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * deepest);
+            std::swap(own, w);
+        }
+    }
+    SECTION("it comes to rest") {
+        r.dampingRatio = 1.0;
+        step::Stepper s{step::Settings{}};
+        for (int i = 0; i < 400; ++i)
+            REQUIRE(s.advance(w, 0.05, nullptr, {}).failure.empty());
+        const Vec2 arm = rod::massCentre(r.kin, r.gauss) - hold.target.point;
+        const double moment = r.model.mass() * kG * arm.x(); // holds it up
+        CHECK(r.holds[0].reactionTorque == Approx(moment).epsilon(1e-6));
+        CHECK(stiffness * (hold.target.angle - angleOf(r, hold)) == Approx(moment).epsilon(1e-6));
+        CHECK(r.holds[0].reaction.y() == Approx(r.model.mass() * kG).epsilon(1e-6));
+        CHECK(std::abs(w.energyBalance.residual()) < 1e-9 * r.model.mass() * kG * d.length);
+    }
+}
+
 TEST_CASE("a squashed ring stays closed and follows the solved force curve", "[step]") {
     // Reference T5C (units R = B = 1): at small load d = f (pi/4 - 2/pi); flat contact from f = 2.78641, H = 1.43554.
     FakeHost host;

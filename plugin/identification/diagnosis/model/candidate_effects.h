@@ -8,13 +8,10 @@
 #include "supercircle/effects/effect.h"
 #include "supercircle/support/result.h"
 
-#include <memory>
+#include <functional>
 #include <vector>
 
 namespace supercircle::diagnosis {
-
-struct OwnLaw;
-struct OwnLawRange;
 
 /// Effects on readings only, applied after the simulation.
 enum class ReadingEffect : std::uint8_t { None, Drift, Gain, ByTime, ByDisplacement, ByDirection };
@@ -24,8 +21,8 @@ struct EffectMapping {
     effects::Setting base;                ///< with its fixed parameters
     std::vector<std::size_t> parameterAt; ///< catalogue index of each scalar of the candidate
     ReadingEffect readingEffect = ReadingEffect::None;
-    std::shared_ptr<const OwnLaw> own{};        ///< a law of the user, which makes the setting of all its values
-    std::shared_ptr<const OwnLawRange> range{}; ///< of its table
+    /// Makes the setting of all physical values instead, or says why there is none; called from several threads.
+    std::function<Result<effects::Setting>(const std::vector<double>&)> make{};
 };
 
 /// The setting at internal values of a candidate. Fails where a law of the user has no value.

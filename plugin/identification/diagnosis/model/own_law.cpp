@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <memory>
 
 namespace supercircle::diagnosis {
 
@@ -364,11 +363,10 @@ std::string addOwnLaw(CandidateEffects& all, const experiment::Experiment& e, co
         c.probes.push_back(probe);
     }
     all.candidates.push_back(std::move(c));
-    all.mappings.push_back({effects::off(*effect),
-                            {},
-                            ReadingEffect::None,
-                            std::make_shared<const OwnLaw>(law),
-                            std::make_shared<const OwnLawRange>(range)});
+    all.mappings.push_back(
+        {effects::off(*effect), {}, ReadingEffect::None, [law, range](const std::vector<double>& values) {
+             return settingOf(law, values, range);
+         }});
     return {};
 }
 

@@ -34,6 +34,8 @@ std::vector<double> gapsOf(const Eigen::Ref<const Eigen::VectorXd>& v) {
     return gaps;
 }
 
+constexpr double kFourthSquares = 70.0; ///< of the weights: 1 + 16 + 36 + 16 + 1
+
 } // namespace
 
 void addFourthDifferences(const Eigen::Ref<const Eigen::VectorXd>& v, std::vector<double>& to) {
@@ -44,7 +46,7 @@ void addFourthDifferences(const Eigen::Ref<const Eigen::VectorXd>& v, std::vecto
 }
 
 double whiteStdOf(std::vector<double> fourthDifferences) {
-    return kMadToSigma * upperMedian(std::move(fourthDifferences)) / std::sqrt(70.0); // 1 + 16 + 36 + 16 + 1
+    return kMadToSigma * upperMedian(std::move(fourthDifferences)) / std::sqrt(kFourthSquares);
 }
 
 double smallestGap(const Eigen::Ref<const Eigen::VectorXd>& v) {
@@ -77,16 +79,27 @@ double quantisationForceNoise(const RecordedData& data, double (*size)(const Eig
 
 namespace {
 
-/// Scale of second differences, without half natural seconds that exceed the median energy 3.5 times (snaps). A median
+/// Absolute second or fourth differences of rows [from, from + n).
+std::vector<double> differencesOf(const Eigen::VectorXd& v, Eigen::Index from, Eigen::Index n, DifferenceOrder order) {
+    if (order == DifferenceOrder::Second)
+        return secondDifferences(v, from, n);
+    std::vector<double> d;
+    addFourthDifferences(v.segment(from, n), d);
+    return d;
+}
+
+/// Scale of differences, without half natural seconds that exceed the median energy 3.5 times (snaps). A median
 /// absolute deviation would underestimate heavy tails by 10 %.
-DifferenceScale differenceScale(const RecordedRun& run) {
+DifferenceScale differenceScale(const RecordedRun& run, DifferenceOrder order) {
     constexpr double kTooRough = 3.5;
+    const Eigen::Index width = order == DifferenceOrder::Second ? 2 : 4;
     DifferenceScale out;
     out.dt = (run.time[run.time.size() - 1] - run.time[0]) / static_cast<double>(run.time.size() - 1);
     const auto block = std::max<Eigen::Index>(10, std::lround(0.5 * run.units.time / out.dt + 1e-6)); // ties up
     std::vector<double> energies, counts, each, fourths;
-    for (Eigen::Index from = 0; from + 2 < run.force.size(); from += block) {
-        const std::vector<double> d = secondDifferences(run.force, from, std::min(block + 2, run.force.size() - from));
+    for (Eigen::Index from = 0; from + width < run.force.size(); from += block) {
+        const std::vector<double> d =
+            differencesOf(run.force, from, std::min(block + width, run.force.size() - from), order);
         double sum = 0.0, fourth = 0.0;
         for (const double x : d) {
             sum += x * x;
@@ -114,11 +127,11 @@ DifferenceScale differenceScale(const RecordedRun& run) {
 
 } // namespace
 
-std::vector<DifferenceScale> differenceScaleOf(const RecordedData& data) {
+std::vector<DifferenceScale> differenceScaleOf(const RecordedData& data, DifferenceOrder order) {
     std::vector<DifferenceScale> all;
     for (const RecordedRun& run : data.runs)
         if (run.time.size() > 22)
-            if (const DifferenceScale r = differenceScale(run); r.count > 20.0 && r.scale > 0.0)
+            if (const DifferenceScale r = differenceScale(run, order); r.count > 20.0 && r.scale > 0.0)
                 all.push_back(r);
     return all;
 }
@@ -136,7 +149,19 @@ DifferenceScale pooledDifferenceScale(const RecordedData& data) {
     return out;
 }
 
-double excessKurtosisOf(const std::vector<DifferenceScale>& scales) {
+double whiteStdOf(const std::vector<DifferenceScale>& fourthDifferences) {
+    double sum = 0.0, count = 0.0;
+    for (const DifferenceScale& r : fourthDifferences) {
+        sum += r.count * r.scale * r.scale;
+        count += r.count;
+    }
+    return count > 0.0 ? std::sqrt(sum / count / kFourthSquares) : 0.0;
+}
+
+double excessKurtosisOf(const std::vector<DifferenceScale>& scales, DifferenceOrder order) {
+    // (sum of w^2)^2 / sum of w^4 of the weights w, and the sum of fourth powers of the correlations of differences.
+    const bool second = order == DifferenceOrder::Second;
+    const double diluted = second ? 36.0 / 18.0 : 4900.0 / 1810.0, alike = second ? 1.4 : 1.87;
     double sum = 0.0, count = 0.0;
     for (const DifferenceScale& r : scales) {
         sum += r.fourth;
@@ -145,7 +170,7 @@ double excessKurtosisOf(const std::vector<DifferenceScale>& scales) {
     if (count <= 0.0)
         return 0.0;
     const double excess = sum / count - 3.0;
-    return excess > 3.0 * std::sqrt(24.0 * 1.4 / count) ? std::min(6.0, 2.0 * excess) : 0.0;
+    return excess > 3.0 * std::sqrt(24.0 * alike / count) ? std::min(6.0, diluted * excess) : 0.0;
 }
 
 double differenceScaleLogLikelihood(const DifferenceScale& r, double white, double correlated, double correlationTime) {

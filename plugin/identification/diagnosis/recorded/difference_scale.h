@@ -4,6 +4,7 @@
 
 #include "plugin/identification/diagnosis/data.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace supercircle::diagnosis {
@@ -11,7 +12,9 @@ namespace supercircle::diagnosis {
 /// Of a normal distribution: standard deviation over median absolute deviation.
 inline constexpr double kMadToSigma = 1.482602218505602;
 
-/// Standard deviation of second differences away from snaps, with their number.
+enum class DifferenceOrder : std::uint8_t { Second, Fourth };
+
+/// Standard deviation of differences away from snaps, with their number.
 struct DifferenceScale {
     double scale = 0.0;
     double count = 0.0;
@@ -20,12 +23,14 @@ struct DifferenceScale {
 };
 
 /// Difference scale of each run with enough rows.
-std::vector<DifferenceScale> differenceScaleOf(const RecordedData& data);
+std::vector<DifferenceScale> differenceScaleOf(const RecordedData& data,
+                                               DifferenceOrder order = DifferenceOrder::Second);
 /// Difference scale of all runs together, where no single run has enough rows.
 DifferenceScale pooledDifferenceScale(const RecordedData& data);
-/// Excess kurtosis of white noise from that of its second differences, which is half as large. 0 within three standard
-/// errors; at most that of Student's t with 5 degrees, because kinks and small snaps look heavy-tailed.
-double excessKurtosisOf(const std::vector<DifferenceScale>& scales);
+/// Excess kurtosis of white noise from that of its differences, which is half as large, of fourth ones 0.37 times. 0
+/// within three standard errors; at most that of Student's t with 5 degrees, because kinks and small snaps look
+/// heavy-tailed.
+double excessKurtosisOf(const std::vector<DifferenceScale>& scales, DifferenceOrder order = DifferenceOrder::Second);
 /// Log likelihood of the scale for white plus AR(1) noise, N, N, s.
 double differenceScaleLogLikelihood(const DifferenceScale& r, double white, double correlated, double correlationTime);
 
@@ -35,6 +40,8 @@ std::vector<double> secondDifferences(const Eigen::VectorXd& v, Eigen::Index fro
 void addFourthDifferences(const Eigen::Ref<const Eigen::VectorXd>& v, std::vector<double>& to);
 /// Standard deviation of white noise by the median of its absolute fourth differences.
 double whiteStdOf(std::vector<double> fourthDifferences);
+/// The same by their mean square away from snaps, which counts heavy tails in full; 0: no run has enough rows.
+double whiteStdOf(const std::vector<DifferenceScale>& fourthDifferences);
 
 /// Smallest gap between distinct readings, beyond round-off; infinite: all are equal.
 double smallestGap(const Eigen::Ref<const Eigen::VectorXd>& v);

@@ -74,10 +74,15 @@ Noise freeNoise(const RecordedData& data) {
     Noise out;
     out.marker = markerNoiseOf(data);
     out.correlationTime = data.usualCorrelationTime();
-    std::vector<double> d;
-    for (const RecordedRun& run : data.runs)
-        addFourthDifferences(run.force, d);
-    out.white = whiteStdOf(std::move(d));
+    const std::vector<DifferenceScale> scales = differenceScaleOf(data, DifferenceOrder::Fourth);
+    out.white = whiteStdOf(scales);
+    out.excessKurtosis = excessKurtosisOf(scales, DifferenceOrder::Fourth);
+    if (scales.empty()) {
+        std::vector<double> d;
+        for (const RecordedRun& run : data.runs)
+            addFourthDifferences(run.force, d);
+        out.white = whiteStdOf(std::move(d));
+    }
     if (out.white <= 0.0)
         out.white = 0.5 * data.statedForceNoise;
     out.white = std::max(out.white, quantisationForceNoise(data, out.white > 0.0 ? quantisationStep : smallestGap));

@@ -238,6 +238,14 @@ std::string amplitudesBeyondRange(const Diagnosis& d) {
     return text.empty() ? text : ", but only with an implausibly large amplitude (" + text + ")";
 }
 
+/// That the nearest law leaves more than noise, where a window shows it.
+std::string leftSentence(const Diagnosis& d) {
+    return d.residualAfterBest.significant.empty()
+               ? std::string()
+               : " What it leaves is more than noise (p = " + rounded(d.residualAfterBest.p, 3) +
+                     "): its law differs, or something else acts too.";
+}
+
 /// Runs whose rest the law does not forecast from their beginning.
 std::string forecastSentence(const Diagnosis& d) {
     std::string text;
@@ -316,11 +324,11 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
         return identifiedSentence(d) + nextSentence(d);
     if (d.verdict == "outside_catalogue")
         return "An effect is missing (p = " + rounded(e.p, 3) + "), and no effect of the catalogue explains it" +
-               (d.effects.empty()
-                    ? std::string(".")
-                    : "; the nearest is " + plainWords(d.effects.front().label) + ", with an error of " +
-                          rounded(d.improvedHeldOut, 3) + " " + d.unit + " " + heldOutReadings(d) + " at a noise of " +
-                          rounded(d.noise.total(), 3) + " " + d.unit + amplitudesBeyondRange(d) + ".") +
+               (d.effects.empty() ? std::string(".")
+                                  : "; the nearest is " + plainWords(d.effects.front().label) + ", with an error of " +
+                                        rounded(d.improvedHeldOut, 3) + " " + d.unit + " " + heldOutReadings(d) +
+                                        " at a noise of " + rounded(d.noise.total(), 3) + " " + d.unit +
+                                        amplitudesBeyondRange(d) + "." + leftSentence(d)) +
                learnedSentence(d);
     return ambiguousSentence(d, e);
 }

@@ -6,7 +6,7 @@
 // Bounds: gains within chance do not count, and all hypotheses together gain at most the Bayes factor 1 / (-e p ln p)
 // that the family-wise p allows (T. Sellke, M. J. Bayarri, J. O. Berger, Am. Stat. 55 (2001) 62; decision 0080).
 // "Outside the catalogue" scores as a flexible law of eight parameters, and at least as a rejected best effect
-// (decision 0081). Scores are tempered by the dispersion of the best model.
+// (decisions 0081, 0240). Scores are tempered by the dispersion of the best model.
 // Sources: Y. Yao, A. Vehtari, D. Simpson, A. Gelman, Bayesian Anal. 13 (2018) 917; D. B. Rubin, Ann. Stat. 9 (1981)
 // 130; K. P. Burnham, D. R. Anderson, "Model Selection", 2nd ed. (2002), 2.5 (dispersion).
 
@@ -40,7 +40,7 @@ struct ModelWeights {
     std::vector<double> effects;         ///< probabilities, as the input
     std::vector<double> gain, gainError; ///< of the score over the baseline, and its standard error over blocks
     double dispersion = 1.0;
-    /// The best hypothesis is rejected: residual too large, amplitude at its bound, a forecast that fails, or a
+    /// The best hypothesis is rejected: a significant residual, an amplitude at its bound, a forecast that fails, or a
     /// periodic disturbance.
     bool rejected = false;
     std::size_t best = 0; ///< highest score among those that beat their `mustBeat`; meaningless without effects
@@ -80,6 +80,7 @@ struct WeightingInput {
     [[nodiscard]] double largestZOf(std::size_t effect) const {
         return effect < largestZ.size() ? largestZ[effect] : 0.0;
     }
+    double residualP = 1.0; ///< family-wise, of the residual of the best effect (Localisation::extendedP); 1: unknown
     std::uint64_t seed = 1;
 };
 struct HypothesisPrior {
@@ -101,7 +102,7 @@ ModelWeights modelWeights(const PredictiveScore& baseline, const std::vector<Pre
 PredictiveScore usable(PredictiveScore held, const PredictiveScore& baseline);
 
 /// Whether a fitted effect leaves more held-out residual than noise and simulator differences allow, in the mean or in
-/// one window.
+/// one window: its fit is worth repeating, and a second effect may act.
 /// @param largestZ largest window statistic of its residual, sigma
 bool leavesTooLargeResidual(const PredictiveScore& baseline, const PredictiveScore& effect, double excessKurtosis,
                             double noiseChiSquared, double largestZ);

@@ -6,6 +6,7 @@
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
 #include "supercircle/effects/effect.h"
+#include "tests/plugin/identification/diagnosis/belt.h"
 #include "tests/plugin/identification/replay/scaled.h"
 
 #include <catch2/catch.hpp>
@@ -57,18 +58,7 @@ experiment::Experiment creepingArch() {
 }
 
 Diagnosis diagnosed(const experiment::Experiment& e, const std::vector<std::string>& only) {
-    std::vector<std::string> without;
-    for (const effects::Effect& effect : effects::catalog())
-        if (!only.empty() && std::find(only.begin(), only.end(), effect.name) == only.end())
-            without.push_back(effect.name);
-    const ReplayModel model(e, without);
-    const RecordedData data = recordedDataOf(e);
-    SimulationCache cache;
-    Evaluator evaluator(model, e.runs.size(), {}, cache);
-    DiagnosisSettings settings;
-    settings.draws = 199;
-    settings.nextExperiment = false;
-    return diagnose(data, evaluator, settings);
+    return shortDiagnosis(ReplayModel(e, only.empty() ? std::vector<std::string>{} : catalogueWithout(only)), e);
 }
 
 void check(const experiment::Experiment& e, const std::vector<std::string>& only,

@@ -5,11 +5,10 @@
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/diagnosis/stored_fits.h"
 #include "plugin/identification/replay/simulate.h"
-#include "plugin/recording/experiment/load.h"
 #include "supercircle/effects/laws/elastic_law.h"
 #include "supercircle/effects/surface.h"
 
-#include "tests/support/folder.h"
+#include "tests/plugin/identification/diagnosis/belt.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -35,21 +34,10 @@ std::string refusal(const std::string& formula, const std::vector<double>& value
     return law ? settingOf(*law, values, {}).error() : law.error();
 }
 
-/// A block on a belt at 1 and 10 mm/s, whose force is the friction.
-experiment::Experiment belt() {
-    const test::Folder folder;
-    folder.write("run.csv", "time_s,force_N\n0,0\n0.01,1\n");
-    const auto loaded = experiment::load(
-        folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene", "scene": "block_on_belt",
-            "scene_parameters": {"mu": {"value": 0.4, "unc": 0.01}},
-            "channels": [{"observe": "force", "column": "force_N", "noise_std": 0.003}], "runs": [{"file": "run.csv",
-            "drive_time_s": [0, 2, 4, 6], "drive_displacement_mm": [0, 2, 22, 28]}]})"));
-    INFO(loaded.error());
-    REQUIRE(loaded);
-    experiment::Experiment e = *loaded;
-    e.runs.front().readings = {};
-    e.runs.front().samplingRate = 50.0;
-    return e;
+/// At 1 and 10 mm/s.
+experiment::Experiment twoSpeeds() {
+    return belt(R"("mu": {"value": 0.4, "unc": 0.01})",
+                R"("drive_time_s": [0, 2, 4, 6], "drive_displacement_mm": [0, 2, 22, 28])");
 }
 
 } // namespace
@@ -120,11 +108,11 @@ TEST_CASE("laws that say nothing, say two things or cannot be are refused with t
     // A slip in the name of an effect is still one of an effect.
     std::vector<std::string> texts{"plasticty:My_over_B_1_m=3"};
     replay::Parameters p;
-    CHECK_THAT(addEffects(texts, belt(), p), Contains("there is no effect \"plasticty\""));
+    CHECK_THAT(addEffects(texts, twoSpeeds(), p), Contains("there is no effect \"plasticty\""));
 }
 
 TEST_CASE("a replay with a law of one's own is that with the catalogue's", "[diagnosis][own_law]") {
-    const experiment::Experiment e = belt();
+    const experiment::Experiment e = twoSpeeds();
     const auto forces = [&](const std::vector<std::string>& texts) {
         replay::Parameters p = replay::nominal(e);
         REQUIRE(addEffects(texts, e, p) == "");
@@ -144,7 +132,7 @@ TEST_CASE("a replay with a law of one's own is that with the catalogue's", "[dia
 
 TEST_CASE("a law of one's own is found where it acts and its numbers with it", "[diagnosis][own_law]") {
     // The truth is the formula itself, played by the catalogue's law: 0.05 per e-fold, 7 % between both speeds.
-    experiment::Experiment e = belt();
+    experiment::Experiment e = twoSpeeds();
     replay::Parameters truth = replay::nominal(e);
     for (const char* text : {"law=logarithmic", "strength=0.05", "speed_m_s=2e-3"})
         REQUIRE(effects::add(truth.effects, std::string("rate_dependent_friction:") + text).empty());
@@ -158,21 +146,12 @@ TEST_CASE("a law of one's own is found where it acts and its numbers with it", "
     };
     for (double& f : e.runs.front().readings.force)
         f += 0.003 * std::sqrt(-2.0 * std::log(uniform())) * std::cos(2.0 * M_PI * uniform());
-    std::vector<std::string> without;
-    for (const effects::Effect& effect : effects::catalog())
-        without.push_back(effect.name);
-    ReplayModel model(e, without); // alone: the catalogue has the same law and would share its probability
+    ReplayModel model(e, catalogueWithout({})); // alone: the catalogue has the same law and would share its probability
     std::vector<std::string> texts{"mine:mu*(1+a*log(1+v/v0))", "mine:a=0.2", "mine:v0=1e-3"};
     std::vector<StartedLaw> laws;
     REQUIRE(takeOwnLaws(texts, laws) == "");
     REQUIRE(model.add(laws.front()) == "");
-    const RecordedData data = recordedDataOf(e);
-    SimulationCache cache;
-    Evaluator evaluator(model, e.runs.size(), {}, cache);
-    DiagnosisSettings settings;
-    settings.draws = 199;
-    settings.nextExperiment = false;
-    const Diagnosis d = diagnose(data, evaluator, settings);
+    const Diagnosis d = shortDiagnosis(model, e);
     INFO(d.statement);
     REQUIRE(d.failure.empty());
     REQUIRE(!d.effects.empty());

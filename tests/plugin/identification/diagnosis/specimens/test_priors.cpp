@@ -3,10 +3,8 @@
 #include "plugin/identification/diagnosis/diagnose.h"
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/replay/simulate.h"
-#include "plugin/recording/experiment/load.h"
-#include "supercircle/effects/effect.h"
 
-#include "tests/support/folder.h"
+#include "tests/plugin/identification/diagnosis/belt.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -17,22 +15,10 @@ using Catch::Contains;
 
 namespace {
 
-/// A block on a belt: its force is coefficient times normal force.
-experiment::Experiment belt(const std::string& mu, const std::string& normal) {
-    const test::Folder folder;
-    folder.write("run.csv", "time_s,force_N\n0,0\n0.01,1\n");
-    const auto loaded = experiment::load(
-        folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene", "scene": "block_on_belt",
-            "scene_parameters": {"mu": )" + mu +
-                                            R"(, "normal_force": )" + normal + R"(},
-            "channels": [{"observe": "force", "column": "force_N", "noise_std": 0.003}], "runs": [{"file": "run.csv",
-            "drive_time_s": [0, 4], "drive_displacement_mm": [0, 4]}]})"));
-    INFO(loaded.error());
-    REQUIRE(loaded);
-    experiment::Experiment e = *loaded;
-    e.runs.front().readings = {};
-    e.runs.front().samplingRate = 50.0;
-    return e;
+constexpr const char* kSteady = R"("drive_time_s": [0, 4], "drive_displacement_mm": [0, 4])";
+
+experiment::Experiment rubbing(const std::string& mu, const std::string& normal) {
+    return belt("\"mu\": " + mu + ", \"normal_force\": " + normal, kSteady);
 }
 
 /// Baseline fit to a recorded force of 4.4 N, a tenth more than stated: coefficient and normal force.
@@ -45,17 +31,8 @@ std::pair<double, double> fitted(experiment::Experiment e) {
         seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
         f += 0.003 * std::sqrt(12.0) * (static_cast<double>(seed >> 11) / 9007199254740992.0 - 0.5);
     }
-    std::vector<std::string> without;
-    for (const effects::Effect& effect : effects::catalog())
-        without.push_back(effect.name);
-    ReplayModel model(e, without);
-    const RecordedData data = recordedDataOf(e);
-    SimulationCache cache;
-    Evaluator evaluator(model, 1, {}, cache);
-    DiagnosisSettings settings;
-    settings.draws = 199;
-    settings.nextExperiment = false;
-    const Diagnosis d = diagnose(data, evaluator, settings);
+    ReplayModel model(e, catalogueWithout({}));
+    const Diagnosis d = shortDiagnosis(model, e);
     INFO(d.statement);
     REQUIRE(d.failure.empty());
     REQUIRE(d.nominal.size() >= 2);
@@ -73,18 +50,19 @@ std::pair<double, double> fitted(experiment::Experiment e) {
 
 TEST_CASE("numbers that only their product is known of share a deviation as their priors say", "[diagnosis][priors]") {
     // Of ln 1.1 each takes the share of its variance: 4 to 36. The readings add 1e-3 of noise.
-    const auto [mu, normal] = fitted(belt(R"({"value": 0.4, "std_log": 0.02})", R"({"value": 10, "std_log": 0.06})"));
+    const auto [mu, normal] =
+        fitted(rubbing(R"({"value": 0.4, "std_log": 0.02})", R"({"value": 10, "std_log": 0.06})"));
     CHECK(mu * normal == Approx(4.4).epsilon(1e-3));
     CHECK(mu == Approx(0.4 * std::pow(1.1, 0.1)).epsilon(2e-3));
     CHECK(normal == Approx(10.0 * std::pow(1.1, 0.9)).epsilon(2e-3));
     // Normal: the least of a^2 + b^2 with (1 + 0.05 a) (1 + 0.05 b) = 1.1 is a = b.
-    const auto [same, force] = fitted(belt(R"({"value": 0.4, "std": 0.02})", R"({"value": 10, "std": 0.5})"));
+    const auto [same, force] = fitted(rubbing(R"({"value": 0.4, "std": 0.02})", R"({"value": 10, "std": 0.5})"));
     CHECK(same == Approx(0.4 * std::sqrt(1.1)).epsilon(2e-3));
     CHECK(force == Approx(10.0 * std::sqrt(1.1)).epsilon(2e-3));
 }
 
 TEST_CASE("a normal prior is read as three standard deviations, and only one thing is said", "[diagnosis][priors]") {
-    const experiment::Experiment e = belt(R"({"value": 0.4, "std": 0.02})", R"({"value": 10, "std_log": 0.06})");
+    const experiment::Experiment e = rubbing(R"({"value": 0.4, "std": 0.02})", R"({"value": 10, "std_log": 0.06})");
     const ReplayModel model(e);
     REQUIRE(model.nominal().size() == 2);
     const Scalar &mu = model.nominal()[0], &normal = model.nominal()[1];
@@ -93,16 +71,7 @@ TEST_CASE("a normal prior is read as three standard deviations, and only one thi
     CHECK(mu.precision == 9.0);
     CHECK(toPhysical(normal.scale, normal.value) == Approx(10.0));
     CHECK(toPhysical(normal.scale, normal.upper) == Approx(10.0 * std::exp(0.24)));
-    const auto why = [](const std::string& entry) {
-        const test::Folder folder;
-        folder.write("run.csv", "time_s,force_N\n0,0\n0.01,1\n1,2\n");
-        const auto loaded = experiment::load(folder.write(
-            "experiment.json",
-            R"({"schema": "rod-recordings/1", "protocol": "scene", "scene": "block_on_belt", "scene_parameters": {"mu": )" +
-                entry + R"(}, "channels": [{"observe": "force", "column": "force_N"}], "runs": [{"file": "run.csv",
-                "drive_time_s": [0, 4], "drive_displacement_mm": [0, 4]}]})"));
-        return loaded ? std::string() : loaded.error();
-    };
+    const auto why = [](const std::string& entry) { return beltOf("\"mu\": " + entry, kSteady).error(); };
     CHECK_THAT(why(R"({"value": 0.4, "unc": 0.1, "std": 0.02})"), Contains("two things are said"));
     CHECK_THAT(why(R"({"value": -1, "std_log": 0.02})"), Contains("logarithm"));
 }

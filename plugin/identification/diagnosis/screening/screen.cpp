@@ -148,6 +148,16 @@ double relativeAmplitudeOf(const CandidateEffect& c, std::size_t probe) {
     return times > 0.0 ? times : 1.0;
 }
 
+/// A probe before it is simulated.
+ScreenedProbe probeOf(const std::vector<CandidateEffect>& candidates, std::size_t candidate, std::size_t probe) {
+    ScreenedProbe s;
+    s.candidate = candidate;
+    s.probe = probe;
+    s.values = candidates[candidate].probes[probe];
+    s.relativeAmplitude = relativeAmplitudeOf(candidates[candidate], probe);
+    return s;
+}
+
 } // namespace
 
 std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& nominal,
@@ -161,32 +171,46 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
     };
     for (std::size_t c = 0; c < candidates.size(); ++c)
         for (std::size_t p = 0; p < candidates[c].probes.size() && tried(candidates[c]); ++p) {
-            ScreenedProbe s;
-            s.candidate = c;
-            s.probe = p;
-            s.values = candidates[c].probes[p];
-            s.relativeAmplitude = relativeAmplitudeOf(candidates[c], p);
-            all.push_back(s);
+            all.push_back(probeOf(candidates, c, p));
+            const ScreenedProbe& s = all.back();
             points.push_back(nominal.point);
             points.back().terms.push_back({c, share == 1.0 ? s.values : scaledValues(candidates[c], s.values, share)});
         }
     const auto answers = evaluator.simulateAllRuns(points, Fidelity::Coarse);
     const Variables v(evaluator.model(), nominal.point);
     const Eigen::MatrixXd Q = basisOf(nominal.jacobian);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        auto signature = likelihood.whitenedDifference(answers[i + 1], answers[0]);
+    const auto see = [&](const std::vector<Response>& answer, double part, ScreenedProbe& s) {
+        auto signature = likelihood.whitenedDifference(answer, answers[0]);
         if (!signature)
-            continue;
-        *signature /= share;
-        ScreenedProbe& s = all[i];
+            return;
+        *signature /= part;
         s.simulated = true;
         s.norm = signature->norm();
         s.independentNorm = (*signature - Q * (Q.transpose() * *signature)).norm();
         if (s.norm <= 1e-6)
-            continue;
+            return;
         s.signature = *signature;
         explain(nominal, v, candidates[s.candidate], s);
-    }
+    };
+    for (std::size_t i = 0; i < all.size(); ++i)
+        see(answers[i + 1], share, all[i]);
+    if (!likelihood.data().free || share != 1.0)
+        return all;
+    // A tenth of what throws a swing out of phase, whose whole change says nothing of a smaller one.
+    constexpr double kTenth = 0.1, kOutOfPhase = 5.0; // noise units of a reading; half or double changes no verdict
+    std::vector<ScreenedProbe> small;
+    points.clear();
+    for (const ScreenedProbe& s : all)
+        if (s.norm > kOutOfPhase * std::sqrt(static_cast<double>(likelihood.countedRows()))) {
+            small.push_back(probeOf(candidates, s.candidate, s.probe));
+            points.push_back(nominal.point);
+            points.back().terms.push_back(
+                {s.candidate, scaledValues(candidates[s.candidate], small.back().values, kTenth)});
+        }
+    const auto nearer = evaluator.simulateAllRuns(points, Fidelity::Coarse);
+    for (std::size_t i = 0; i < small.size(); ++i)
+        see(nearer[i], kTenth, small[i]);
+    all.insert(all.end(), small.begin(), small.end());
     return all;
 }
 

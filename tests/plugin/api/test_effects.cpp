@@ -32,7 +32,7 @@ const EffectInfo& entry(const std::string& key) {
 } // namespace
 
 TEST_CASE("the catalogue of effects is complete and its defaults switch each effect on", "[plugin]") {
-    CHECK(effect_catalog().size() == 26);
+    CHECK(effect_catalog().size() == 27);
     for (const EffectInfo& e : effect_catalog()) {
         INFO(e.key);
         CHECK_FALSE(e.about.empty());

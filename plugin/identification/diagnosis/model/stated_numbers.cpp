@@ -13,7 +13,8 @@ namespace {
 /// to 5 %; twice as much makes no difference to numbers that are farther off by a factor of two.
 constexpr double kFarthest = 20.0;
 /// Of a number of one sign, where half-widths reach farther. A friction was 0.17 of the stated one: at a factor of five
-/// it ended at its bound, and wear of a short way took its place. Half or double changes no verdict seen.
+/// it ended at its bound, and wear of a short way took its place. Half still holds it; double costs nothing where
+/// half-widths end before.
 constexpr double kFactor = 25.0;
 constexpr double kProbe = 3.0; ///< half-widths
 

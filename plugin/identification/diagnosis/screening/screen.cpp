@@ -197,7 +197,8 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
     if (!likelihood.data().free || share != 1.0)
         return all;
     // A tenth of what throws a swing out of phase, whose whole change says nothing of a smaller one.
-    constexpr double kTenth = 0.1, kOutOfPhase = 5.0; // noise units of a reading; half or double changes no verdict
+    constexpr double kTenth = 0.1,
+                     kOutOfPhase = 5.0; // noise units of a reading; half of it simulates more probes twice
     std::vector<ScreenedProbe> small;
     points.clear();
     for (const ScreenedProbe& s : all)

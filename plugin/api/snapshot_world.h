@@ -54,7 +54,7 @@ void io(Ar& ar, Is<step::Target> auto& t) {
 
 template <class Ar>
 void io(Ar& ar, Is<step::Hold> auto& h) {
-    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, key, stop, turnStiffness] = h;
+    auto& [s, clamped, onCrosshead, target, reaction, reactionTorque, maxForce, turnStiffness, key, stop] = h;
     auto& [time, body, since, driven, byHold, byHoldBefore] = stop;
     ar(s, clamped, onCrosshead, target.point, target.angle, target.velocity, target.spin, reaction, reactionTorque,
        target.path, target.pending, key);

@@ -50,11 +50,12 @@ struct Hold {
     Vec2 reaction = Vec2::Zero(); ///< force on the rod in the last step, N
     double reactionTorque = 0.0;  ///< N m
     double maxForce = 0.0;        ///< N, beyond which it breaks; 0: never
+    double turnStiffness = 0.0;   ///< torque over angle of a clamp that yields, N m; 0: it does not
     std::uint32_t key = 0;        ///< stable identity, 0: nobody asks
     HoldStop stop;
-    double turnStiffness = 0.0; ///< torque over angle of a clamp that yields, N m; 0: it does not
     [[nodiscard]] bool yields() const { return clamped && turnStiffness > 0.0; }
     [[nodiscard]] bool fixesAngle() const { return clamped && !yields(); }
+    [[nodiscard]] int rows() const { return fixesAngle() ? 3 : 2; } ///< of the motion that it takes away
 };
 
 /// A force (and torque) that somebody else applies, constant in the world frame within a step.

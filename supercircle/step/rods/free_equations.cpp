@@ -137,7 +137,7 @@ void FreeEquations::holdRows() {
             f_.C.row(row + axis) -= f_.mean[axis].transpose() / mass();
             f_.C.row(row + axis).segment<2>(x()) = Vec2::Unit(axis);
         }
-        row += h.fixesAngle() ? 3 : 2;
+        row += h.rows();
     }
 }
 

@@ -22,7 +22,7 @@ void holdRows(const rod::RodModel& model, const std::vector<Hold>& holds, const 
         kin.pointRows(model, at, Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), C.middleRows<2>(row));
         if (h.fixesAngle())
             kin.angleRow(model, at, C.row(row + 2));
-        row += h.fixesAngle() ? 3 : 2;
+        row += h.rows();
     }
     if (model.definition().closed)
         kin.closureRows(model, C.middleRows<3>(row));
@@ -38,7 +38,7 @@ void holdGaps(const World& world, const Rod& rod, const rod::Kinematics& kin, co
         gaps.segment<2>(row) = goal.point - (kin.point(at) + shift);
         if (h.fixesAngle())
             gaps[row + 2] = goal.angle - kin.angle(at);
-        row += h.fixesAngle() ? 3 : 2;
+        row += h.rows();
     }
     if (rod.model.definition().closed) { // both ends are one material point
         const rod::MaterialPoint first = rod::locate(rod.model, 0, 0.0);
@@ -57,7 +57,7 @@ void holdRates(const World& world, const Rod& rod, double ahead, Eigen::VectorXd
         rates.segment<2>(row) = p.velocity;
         if (h.fixesAngle())
             rates[row + 2] = p.spin;
-        row += h.fixesAngle() ? 3 : 2;
+        row += h.rows();
     }
 }
 

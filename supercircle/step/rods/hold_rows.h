@@ -22,7 +22,7 @@ void forEachHeldPoint(const rod::RodModel& model, const std::vector<Hold>& holds
     Eigen::Index row = 0;
     for (const Hold& h : holds) {
         visit(row, h.fixesAngle());
-        row += h.fixesAngle() ? 3 : 2;
+        row += h.rows();
     }
     if (model.definition().closed)
         visit(row, true);

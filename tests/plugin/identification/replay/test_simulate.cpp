@@ -47,6 +47,11 @@ TEST_CASE("the force zero is the weight on the crosshead", "[replay]") {
     replay::Parameters p = replay::nominal(e);
     const double weight = p.specimens[0].linearMass * 9.81 * e.specimens[0].length;
     CHECK(simulated(e, p).forceZero == Approx(-weight).epsilon(1e-6));
+    // So does a clamp that yields, though it starts where a rigid one would be at rest.
+    replay::Parameters soft = p;
+    const double yielding = 0.1 * e.specimens[0].length / p.specimens[0].bendingModulus;
+    REQUIRE(effects::add(soft.effects, "clamp_compliance:compliance_rad_N_m=" + std::to_string(yielding)) == "");
+    CHECK(simulated(e, soft).forceZero == Approx(-weight).epsilon(1e-6));
     p.gravity = {};
     CHECK(std::abs(simulated(e, p).forceZero) < 1e-9);
     // the lower of two shells stands on the ground, the upper one hangs on the crosshead

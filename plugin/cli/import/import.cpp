@@ -127,6 +127,7 @@ Result<importing::Hints> hintsOf(const ImportArguments& a) {
     hints.forceSign = a.forceSign;
     hints.fromTurningPoint = a.fromTurningPoint;
     hints.average = a.average;
+    hints.atRest = !a.scene.empty();
     hints.accept = {a.accept.begin(), a.accept.end()};
     hints.cut = {a.cut.begin(), a.cut.end()};
     hints.keep = {a.keep.begin(), a.keep.end()};

@@ -59,7 +59,7 @@ Subcommand describeImport(CLI::App& app) {
     subcommand
         ->add_option("--protocol", a.protocol,
                      "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates,\n"
-                     "ring_between_plates, tethered_strip or free_scene")
+                     "ring_between_plates, tethered_strip, free_scene or scene")
         ->type_name("NAME");
     subcommand->add_option("--specimen", a.specimen, "JSON with the specimen, or with any part of an experiment")
         ->type_name("FILE.json");
@@ -81,7 +81,8 @@ Subcommand describeImport(CLI::App& app) {
         ->type_name("MM");
     subcommand
         ->add_option("--scene", a.scene,
-                     "for angles: scene of the freely moving mechanism, or the name of a shipped one")
+                     "scene of the set-up, or the name of a shipped one: a mechanism that moves freely, or one with a "
+                     "machine or a load")
         ->type_name("SCENE.json");
     subcommand
         ->add_option("--from-turning-point", a.fromTurningPoint,

@@ -64,12 +64,18 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
     record::Series force;
     const experiment::Channel& c = experiment::channel(e);
     const std::string name = c.name, unit = std::string("_") + c.unit;
+    const bool table = experiment::isTable(e); // its clock is made up
     force.names = {"time_s", name + "_recorded" + unit, name + "_simulated" + unit, "residual" + unit};
     force.columns = {run.readings.time, scaled(run.readings.force, c.perUnit), scaled(simulated, c.perUnit),
                      scaled(done.comparison.residual, c.perUnit)};
     if (!experiment::isFree(e)) {
-        force.names.insert(force.names.begin() + 1, "displacement_mm");
-        force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, 1e3));
+        const experiment::DriveAxis drive = experiment::driveAxis(e);
+        force.names.insert(force.names.begin() + 1, drive.column());
+        force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, drive.perUnit));
+    }
+    if (table) {
+        force.names.erase(force.names.begin());
+        force.columns.erase(force.columns.begin());
     }
     for (std::size_t i = 0; i < run.readings.further.size(); ++i) {
         const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;

@@ -38,8 +38,9 @@ record::Series forceTable(const SensitivityStudy& study, const RunSensitivity& r
     record::Series s;
     const experiment::Channel& channel = experiment::channel(study.experiment);
     const double k = channel.perUnit;
-    s.names = {"time_s", "displacement_mm", channel.column, std::string("solver_noise_") + channel.unit};
-    s.columns = {run.base.readings.time, scaled(run.base.readings.displacement, 1e3),
+    const experiment::DriveAxis drive = experiment::driveAxis(study.experiment);
+    s.names = {"time_s", drive.column(), channel.column, std::string("solver_noise_") + channel.unit};
+    s.columns = {run.base.readings.time, scaled(run.base.readings.displacement, drive.perUnit),
                  scaled(run.base.readings.force, k),
                  scaled({run.forceNoise.data(), run.forceNoise.data() + run.forceNoise.size()}, k)};
     for (std::size_t c = 0; c < study.result.columns.size(); ++c) {

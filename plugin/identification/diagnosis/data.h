@@ -101,6 +101,7 @@ struct RecordedData {
     bool freeShells = false;            ///< shells move freely, not bodies alone: see freeBodies()
     bool table = false;                 ///< rows are states of rest, without a clock
     bool drivesLoad = false;            ///< RecordedRun::displacement is a load
+    experiment::DriveAxis drive;        ///< how it is shown
     double statedForceNoise = 0.0;      ///< N, within about 30 %; 0: not stated
     double statedMarkerNoise = 0.0;     ///< m
     double displacementNoise = 0.0;     ///< m
@@ -130,7 +131,7 @@ struct RecordedData {
 };
 
 /// Why the runs of an experiment have too few readings for a diagnosis; empty: they have enough. A run needs 20. A
-/// table needs 6, and all tables together five more than there are numbers with an interval.
+/// table, and a run whose noise is stated, needs 6, and all together five more than there are numbers with an interval.
 std::string tooFewReadings(const experiment::Experiment& experiment);
 
 /// The recordings of an experiment. All rows of a run without readings are missing.

@@ -41,6 +41,10 @@ public:
         out_.seed = settings_.seed;
         out_.channel = data_.channel;
         out_.unit = data_.unit;
+        if (!data_.free)
+            out_.drive = data_.drive;
+        out_.drivesLoad = data_.drivesLoad;
+        out_.table = data_.table;
         stage(0.0, "noise");
         try {
             decide();

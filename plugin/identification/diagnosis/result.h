@@ -166,11 +166,13 @@ struct Diagnosis {
             sum += s.undetectable;
         return sum;
     }
-    std::string channel = "force", unit = "N";                ///< channel and unit of everything given in N below
-    [[nodiscard]] bool driven() const { return unit == "N"; } ///< otherwise bodies move freely and poses are read
-    std::string failure;                                      ///< why the experiment cannot be simulated; empty: it can
-    bool stopped = false;                                     ///< interrupted; simulations are kept
-    std::vector<std::string> notTried;                        ///< what the time limit has left out, in words
+    std::string channel = "force", unit = "N";    ///< channel and unit of everything given in N below
+    std::optional<experiment::DriveAxis> drive{}; ///< empty: nothing is driven
+    bool drivesLoad = false;                      ///< a load is driven, not a displacement
+    bool table = false;                           ///< runs are points read at rest; their clock is made up
+    std::string failure;                          ///< why the experiment cannot be simulated; empty: it can
+    bool stopped = false;                         ///< interrupted; simulations are kept
+    std::vector<std::string> notTried;            ///< what the time limit has left out, in words
     std::string verdict, statement;
     Noise noise;
     Localisation misfit, residualAfterBest; ///< of the baseline; of the best hypothesis

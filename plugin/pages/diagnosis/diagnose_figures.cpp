@@ -122,10 +122,14 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     legend(canvas, 80.0, 24.0, d, improved);
     const AxisRange force = forceRange(c);
     const double peak = std::max(std::abs(force.lo), std::abs(force.hi));
-    const bool driven = d.driven();
-    const graphics::DisplayUnit unit = driven ? graphics::readableUnit(peak, "N") : graphics::DisplayUnit{1.0, d.unit};
+    const graphics::AxisStyle clock = d.table && c.time.size() > 1
+                                          ? graphics::AxisStyle{"point, from 0", 1.0 / (c.time[1] - c.time[0])}
+                                          : graphics::AxisStyle{"time (s)", 1.0};
+    const bool driven = d.drive.has_value();
+    const graphics::DisplayUnit unit =
+        d.unit == "N" ? graphics::readableUnit(peak, "N") : graphics::DisplayUnit{1.0, d.unit};
     PlotStyle style;
-    style.x = {driven ? "displacement (mm)" : "time (s)", driven ? 1e3 : 1.0};
+    style.x = driven ? graphics::AxisStyle{d.drive->label(), d.drive->perUnit} : clock;
     style.y = {d.channel + " (" + unit.text + ")", unit.factor};
     const std::vector<double>& across = driven ? c.displacement : c.time;
     const Plot left({80.0, 40.0, 470.0, 460.0}, graphics::rangeOf({&across}), force);
@@ -146,7 +150,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
         const double top = plot.at(0.0, 2.0).y, bottom = plot.at(0.0, -2.0).y;
         canvas.rectangle({plot.area.x, top, plot.area.width, bottom - top}, {.fill = theme::grid});
         PlotStyle s;
-        s.x = {"time (s)", 1.0};
+        s.x = clock;
         s.y = {words, 1.0};
         s.yTicks = 5;
         plot.drawFrame(canvas, s);

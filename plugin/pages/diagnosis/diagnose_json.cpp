@@ -20,15 +20,16 @@ Json finite(double v) {
     return std::isfinite(v) ? Json(v) : Json(nullptr);
 }
 
-Json windowsOf(const diagnosis::Localisation& l) {
+Json windowsOf(const diagnosis::Localisation& l, const Diagnosis& d) {
     static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::StatisticKind
     Json all = Json::array();
+    const double factor = d.drivesLoad ? d.drive->perUnit : 1e3;
     for (const ResidualWindow& w : l.significant)
         all.push_back({{"run", w.run},
-                       {"t_start_s", w.timeFrom},
-                       {"t_end_s", w.timeTo},
-                       {"displacement_from_mm", 1e3 * w.displacementFrom},
-                       {"displacement_to_mm", 1e3 * w.displacementTo},
+                       {"t_start_s", d.table ? Json(nullptr) : Json(w.timeFrom)},
+                       {"t_end_s", d.table ? Json(nullptr) : Json(w.timeTo)},
+                       {d.drivesLoad ? "load_from" : "displacement_from_mm", factor * w.displacementFrom},
+                       {d.drivesLoad ? "load_to" : "displacement_to_mm", factor * w.displacementTo},
                        {"phase", w.phase},
                        {"channel", w.channel},
                        {"z", w.z},
@@ -275,11 +276,11 @@ std::string diagnosisJson(const Diagnosis& d, const diagnosis::StoredFits& fits)
                  {"misfit_p_value", d.misfit.p},
                  {"notes", d.notes},
                  {"noise", noiseOf(d)},
-                 {"misfit_intervals", windowsOf(d.misfit)},
+                 {"misfit_intervals", windowsOf(d.misfit, d)},
                  {"effects", effectsOf(d)},
                  {"wrong_numbers", numbersOf(d)},
                  {"screening", screeningOf(d)},
-                 {"residual_after_best", windowsOf(d.residualAfterBest)},
+                 {"residual_after_best", windowsOf(d.residualAfterBest, d)},
                  {"learned_laws", learnedOf(d)},
                  {"fit", fitOf(d)},
                  {"nominal", nominalOf(d)},

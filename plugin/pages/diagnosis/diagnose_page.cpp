@@ -71,8 +71,8 @@ std::string errorTable(const Diagnosis& d) {
                     rounded(c.noise, 4) + " " + c.unit + "</td></tr>";
         html += "</table>";
     }
-    html +=
-        "<p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", estimated from " + escaped(d.noise.source) + ".";
+    html += "<p>Sensor noise: " + rounded(floor, 4) + " " + d.unit + ", " + (d.table ? "" : "estimated from ") +
+            escaped(d.noise.source) + ".";
     if (d.improved)
         html += " Weighted by noise, its correlation and the model error, the held-out error falls by " +
                 fixed(100.0 * d.improvement, 0) + " % (90 % interval " + fixed(100.0 * d.improvementCi.low, 0) +
@@ -121,7 +121,7 @@ std::string effectTable(const Diagnosis& d) {
 }
 
 /// @param driven whether a drive defines a displacement
-std::string windowTable(const diagnosis::Localisation& l, bool driven) {
+std::string windowTable(const diagnosis::Localisation& l, const Diagnosis& d) {
     static constexpr const char* kOf[] = {"", " (energy)", " (signature of the effect)"}; // diagnosis::Seen
     const bool none = l.significant.empty(),
                trace = !none && l.significant.front().kind == diagnosis::StatisticKind::Signature;
@@ -133,8 +133,8 @@ std::string windowTable(const diagnosis::Localisation& l, bool driven) {
                (trace ? " The most probable effect is visible here (blue bars in the figures):" : "") + "</p>";
     if (none)
         return html;
-    html += std::string("<table><tr><th>run</th><th>reading</th><th>time</th>") +
-            (driven ? "<th>displacement</th>" : "") +
+    html += "<table><tr><th>run</th><th>reading</th>" + std::string(d.table ? "" : "<th>time</th>") +
+            (d.drive ? "<th>" + escaped(d.drive->name) + "</th>" : "") +
             "<th>phase</th><th>statistic (sigma)</th><th>p, family-wise</th></tr>";
     // Separate quotas for the reading and for markers.
     std::array<int, 2> count = {};
@@ -144,9 +144,10 @@ std::string windowTable(const diagnosis::Localisation& l, bool driven) {
         html +=
             "<tr><td>" + escaped(w.run) + "</td><td>" + escaped(w.channel) +
             (w.ofMarker() ? " (arc fraction " + fixed(w.arcFraction, 2) + ")" : "") + "</td><td>" +
-            fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>" +
-            (driven ? fixed(1e3 * w.displacementFrom, 2) + " to " + fixed(1e3 * w.displacementTo, 2) + " mm</td><td>"
-                    : "") +
+            (d.table ? "" : fixed(w.timeFrom, 2) + " to " + fixed(w.timeTo, 2) + " s</td><td>") +
+            (d.drive ? fixed(d.drive->perUnit * w.displacementFrom, 2) + " to " +
+                           fixed(d.drive->perUnit * w.displacementTo, 2) + " " + escaped(d.drive->unit) + "</td><td>"
+                     : "") +
             w.phase + "</td><td>" + fixed(w.z, 1) + kOf[static_cast<std::size_t>(w.kind)] + "</td><td>" +
             fixed(w.p, 3) + "</td></tr>";
     }
@@ -241,9 +242,9 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     page.section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
         page.section(d.runs[r].name, scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    page.section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d.driven()) : "");
+    page.section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d) : "");
     if (d.improved)
-        page.section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d.driven()));
+        page.section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d));
     page.section("Position on the specimen", scroll(specimenFigure(d, e)));
     page.section("Laws learned from the runs", learnedText(d));
     page.section("Screening of the catalogue", looked ? scroll(screenFigure(d)) : "");

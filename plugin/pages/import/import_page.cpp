@@ -84,6 +84,8 @@ std::string picture(const Signals& s, const std::vector<double>& x, const char* 
 }
 
 std::string decisionTable(const std::vector<importing::Decision>& decisions) {
+    if (decisions.empty())
+        return {};
     std::string html = "<table><tr><th>question</th><th>decided</th><th>next</th><th>odds</th><th>option</th></tr>";
     for (const importing::Decision& d : decisions)
         html += "<tr><td>" + graphics::escaped(d.question) + "</td><td>" + graphics::escaped(d.answer) + "</td><td>" +
@@ -112,8 +114,8 @@ std::string sourceSection(const Source& s, std::size_t number) {
 }
 
 std::string runSection(const ImportedRun& run, std::size_t number) {
-    return picture(run.signals, *run.signals.find(Quantity::Time), "time (s)", {}, "run" + std::to_string(number),
-                   theme::loading) +
+    return picture(run.signals, *run.signals.find(Quantity::Time), run.atRest ? "point, from 0" : "time (s)", {},
+                   "run" + std::to_string(number), theme::loading) +
            decisionTable(run.signals.decisions) + remarkList(run.remarks);
 }
 

@@ -73,9 +73,19 @@ void drawLegend(Canvas& canvas, double x, double y, bool excluded) {
     canvas.text({x + 30.0, y}, "excluded around jumps", {theme::labelSize, theme::muted});
 }
 
+/// The clock of a run; a table has points instead.
+graphics::AxisStyle clockOf(const experiment::Experiment& e, const experiment::Run& run) {
+    return experiment::isTable(e)
+               ? graphics::AxisStyle{"point, from 0", 1.0 / experiment::medianStep(run.readings.time)}
+               : graphics::AxisStyle{"time (s)", 1.0};
+}
+
 /// Force over displacement on the left, over time on the right with the residual below.
-void drawRun(Canvas& canvas, const experiment::Channel& channel, bool free, const experiment::Run& run,
-             const ReplayedRun& done) {
+void drawRun(Canvas& canvas, const experiment::Experiment& e, const experiment::Channel& channel,
+             const experiment::Run& run, const ReplayedRun& done) {
+    const bool free = experiment::isFree(e);
+    const graphics::AxisStyle clock = clockOf(e, run);
+    const experiment::DriveAxis drive = experiment::driveAxis(e);
     const Columns c{run.readings, done.simulated.readings, done.comparison};
     const auto unitFor = [&](double size) {
         return free || channel.unit != "N" ? graphics::DisplayUnit{channel.perUnit, channel.unit}
@@ -96,14 +106,14 @@ void drawRun(Canvas& canvas, const experiment::Channel& channel, bool free, cons
     const double from = free ? 80.0 : 640.0; // free scenes have no displacement
     const Plot left({80.0, 40.0, 470.0, 460.0},
                     graphics::rangeOf({&c.recorded.displacement, &c.simulated.displacement}), force);
-    style.x = {"displacement (mm)", 1e3};
+    style.x = {drive.label(), drive.perUnit};
     if (!free) {
         left.drawFrame(canvas, style);
         drawForces(canvas, left, c.recorded.displacement, c.simulated.displacement, c);
     }
 
     const Plot upper({from, 40.0, 1160.0 - from, 270.0}, time, force);
-    style.x = {"", 1.0};
+    style.x = {"", clock.factor};
     drawWindows(canvas, upper, c);
     upper.drawFrame(canvas, style);
     drawForces(canvas, upper, c.recorded.time, c.simulated.time, c);
@@ -113,7 +123,7 @@ void drawRun(Canvas& canvas, const experiment::Channel& channel, bool free, cons
         if (c.comparison.excluded[i])
             shown[i] = std::numeric_limits<double>::quiet_NaN();
     const Plot lower({from, 345.0, 1160.0 - from, 155.0}, time, graphics::rangeOf({&shown}));
-    style.x = {"time (s)", 1.0};
+    style.x = clock;
     style.y = {"residual (" + fine.text + ")", fine.factor};
     style.yTicks = 5;
     drawWindows(canvas, lower, c);
@@ -143,7 +153,8 @@ std::string percent(double part, double whole) {
 }
 
 /// Rows of the table of one run.
-std::string figures(const ReplayedRun& run, const experiment::Experiment& e) {
+std::string figures(const ReplayedRun& run, const experiment::Experiment& e, const experiment::Run& recorded) {
+    const graphics::AxisStyle clock = clockOf(e, recorded);
     const experiment::Channel& channel = experiment::channel(e);
     const double k = channel.perUnit;
     const std::string unit = std::string(" ") + channel.unit;
@@ -158,7 +169,8 @@ std::string figures(const ReplayedRun& run, const experiment::Experiment& e) {
     row("rms error about its mean",
         rounded(k * c.rmseAboutMean, 4) + unit + " (mean " + rounded(k * c.residualMean, 4) + unit + ")");
     row("largest error", rounded(k * c.maxError, 4) + unit + " (" + percent(c.maxError, c.peakRecorded) + ") at " +
-                             rounded(c.maxErrorAt, 4) + " s");
+                             (experiment::isTable(e) ? "point " : "") + rounded(clock.factor * c.maxErrorAt, 4) +
+                             (experiment::isTable(e) ? ", from 0" : " s"));
     row("excluded around jumps", fixed(100.0 * c.excludedFraction, 1) + " % of the samples");
     for (std::size_t i = 0; i < c.further.size(); ++i) {
         const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;
@@ -222,9 +234,8 @@ Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
         std::string pictures;
         const auto draw = [&](const std::string& suffix, const experiment::Channel& channel,
                               const experiment::Run& recorded, const ReplayedRun& done) -> Status {
-            const bool free = experiment::isFree(replay.experiment);
             graphics::CairoCanvas png(kWidth, kHeight, 1.5);
-            drawRun(png, channel, free, recorded, done);
+            drawRun(png, replay.experiment, channel, recorded, done);
             auto picture = png.png();
             if (!picture)
                 return Status::failure(run.name + "_replay" + suffix + ".png: " + picture.error());
@@ -232,7 +243,7 @@ Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
             graphics::SvgCanvas svg(kWidth, kHeight, "run" + std::to_string(k + 1) + suffix,
                                     "recorded and simulated " + (suffix.empty() ? "force" : channel.name) + " of " +
                                         run.name);
-            drawRun(svg, channel, free, recorded, done);
+            drawRun(svg, replay.experiment, channel, recorded, done);
             pictures += "<div class=\"scroll wide\">" + svg.finish() + "</div>";
             return {};
         };
@@ -246,7 +257,7 @@ Result<std::vector<record::NamedText>> replayPages(const Replay& replay) {
         }
         page.section(run.name,
                      (run.simulated.failure.empty() ? "" : "<p>" + graphics::escaped(run.simulated.failure) + "</p>") +
-                         pictures + figures(run, replay.experiment));
+                         pictures + figures(run, replay.experiment, replay.experiment.runs[k]));
     }
     page.section("Parameters", parameterTable(replay) + "<p>" + std::to_string(replay.resolution.elements) +
                                    " elements a specimen</p>");

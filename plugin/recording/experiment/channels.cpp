@@ -63,6 +63,11 @@ std::string setChannel(const std::string& observe, const scene::Observation& obs
     return {};
 }
 
+DriveAxis driveAxis(const Experiment& e) {
+    return drivesLoad(e) ? DriveAxis{e.scene->driveParameter, e.scene->driveUnit == "1" ? "" : e.scene->driveUnit, 1.0}
+                         : DriveAxis{};
+}
+
 Result<Experiment> withFirstChannel(Experiment e, const std::string& observe) {
     if (channel(e).name == observe)
         return e;

@@ -154,6 +154,7 @@ struct FreeScene {
     std::string driveColumn;             ///< of the runs' files: the drive; empty: break points in the description
     double driveScale = 1.0;             ///< of that column: m, or the parameter's unit
     std::string driveParameter; ///< what is driven, a parameter of the loads; empty: the machine's displacement
+    std::string driveUnit;      ///< of that parameter, as the scene states it
     bool driven = false;        ///< a machine moves a body or holds of the scene
     /// The files are tables of states of rest, without times: their clock is made up (decision 0220).
     bool table = false;
@@ -250,6 +251,15 @@ inline bool drivesLoad(const Experiment& experiment) {
 inline bool isTable(const Experiment& experiment) {
     return experiment.scene && experiment.scene->table;
 }
+
+/// What drives the runs, as figures and files show it: the machine's displacement, or a parameter of the loads.
+struct DriveAxis {
+    std::string name = "displacement", unit = "mm";
+    double perUnit = 1e3; ///< per m, or 1
+    [[nodiscard]] std::string label() const { return unit.empty() ? name : name + " (" + unit + ")"; }
+    [[nodiscard]] std::string column() const { return unit.empty() ? name : name + "_" + unit; }
+};
+DriveAxis driveAxis(const Experiment& experiment);
 
 /// Whether rigid bodies on joints are simulated: a scene without shells. The shells of other scenes are the specimens.
 inline bool isMechanism(const Experiment& experiment) {

@@ -368,8 +368,11 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     }
     own.driven = s.protocol.has_value() || !own.driveParameter.empty();
     std::vector<std::string> parameters;
-    for (const scene::Parameter& known : s.parameters)
+    for (const scene::Parameter& known : s.parameters) {
         parameters.push_back(known.name);
+        if (known.name == own.driveParameter)
+            own.driveUnit = known.unit;
+    }
     if (!own.driveParameter.empty() &&
         std::find(parameters.begin(), parameters.end(), own.driveParameter) == parameters.end())
         complain("/drive/parameter", "the scene " + path + " has no parameter \"" + own.driveParameter + "\"", {},

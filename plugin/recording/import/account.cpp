@@ -22,8 +22,10 @@ std::vector<double> scaled(const std::vector<double>& values, double factor) {
 
 record::Series tableOf(const ImportedRun& run) {
     record::Series s;
-    s.names = {"time_s"};
-    s.columns = {*run.signals.find(Quantity::Time)};
+    if (!run.atRest) {
+        s.names = {"time_s"};
+        s.columns = {*run.signals.find(Quantity::Time)};
+    }
     const auto add = [&](const char* name, Quantity q, double factor) {
         if (const std::vector<double>* v = run.signals.find(q)) {
             s.names.emplace_back(name);
@@ -114,8 +116,9 @@ std::string account(const Imported& all) {
             if (run.source != i)
                 continue;
             const std::vector<double>& t = *run.signals.find(Quantity::Time);
-            out += " -> " + run.file + ": " + std::to_string(t.size()) + " rows, " + shown(t.back() - t.front()) +
-                   " s at " + shown(run.rate) + " Hz\n";
+            out += " -> " + run.file + ": " + std::to_string(t.size()) +
+                   (run.atRest ? std::string(" points read at rest\n")
+                               : " rows, " + shown(t.back() - t.front()) + " s at " + shown(run.rate) + " Hz\n");
             write(out, run.remarks);
         }
     }

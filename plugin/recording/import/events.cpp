@@ -12,9 +12,10 @@ using Kind = Remark::Kind;
 
 constexpr std::size_t kFlat = 5;    ///< equal rows at the largest force; halved: a rounded top counts as saturated
 constexpr double kFlatLonger = 4.0; ///< times any other stretch of equal forces; doubled: coarse sensors hide it
-constexpr double kGap = 3.5;     ///< usual steps; halved: a single late row is a gap; doubled: six rows are lost unsaid
-constexpr double kBroken = 0.05; ///< of the largest force is what a broken specimen may carry at most
-constexpr double kSudden = 0.2;  ///< of the largest force lost within two rows; halved: snaps of noise are told
+constexpr double kGap = 3.5; ///< usual steps; halved: a single late row is a gap; doubled: six rows are lost unsaid
+constexpr std::size_t kStuck = 3; ///< equal readings of a gauge under growing loads; halved: two readings may be equal
+constexpr double kBroken = 0.05;  ///< of the largest force is what a broken specimen may carry at most
+constexpr double kSudden = 0.2;   ///< of the largest force lost within two rows; halved: snaps of noise are told
 
 double peakOf(const std::vector<double>& f) {
     double peak = 0.0;
@@ -75,7 +76,7 @@ void cutFrom(ImportedRun& run, std::size_t at, double tolerance) {
 /// Row from which the force is gone for good after a sudden fall; rows: there is none.
 std::size_t breakRow(const std::vector<double>& f, double peak) {
     std::size_t i = f.size();
-    while (i > 0 && !(std::abs(f[i - 1]) > kBroken * peak))
+    while (i > 0 && std::abs(f[i - 1]) <= kBroken * peak) // what a saturated sensor did not see is no fall
         --i;
     // i is the first row of the empty rest; the force must have been large just before
     const bool sudden =
@@ -142,6 +143,31 @@ void tellGaps(ImportedRun& run, const Hints& hints) {
 void censorSaturation(ImportedRun& run, const Hints& hints) {
     if (std::vector<double>* force = run.signals.find(Quantity::Force); force != nullptr && force->size() >= 10)
         censor(run, *force, hints.keep.count("saturation") > 0);
+}
+
+void censorGauge(ImportedRun& run, const Hints& hints) {
+    std::vector<double>& y = *run.signals.find(Quantity::Displacement);
+    const std::vector<double>& f = *run.signals.find(Quantity::Force);
+    double farthest = 0.0, limit = 0.0;
+    for (const double v : y)
+        if (std::isfinite(v) && std::abs(v - y.front()) > farthest) {
+            farthest = std::abs(v - y.front());
+            limit = v;
+        }
+    const auto top = longestFlat(y, [&](double v) { return v == limit; });
+    std::size_t moved = 0; // rows that another load should have moved
+    for (std::size_t i = top.first + 1; i < top.second; ++i)
+        moved += f[i] != f[i - 1] ? 1 : 0;
+    if (farthest == 0.0 || moved + 1 < kStuck)
+        return;
+    const bool keep = hints.keep.count("saturation") > 0;
+    for (std::size_t i = top.first; i < top.second && !keep; ++i)
+        y[i] = std::numeric_limits<double>::quiet_NaN();
+    run.remarks.push_back(
+        {Kind::Doubtful, run.signals.line[top.first],
+         "the displacement stays at " + shownLength(limit) + " in " + std::to_string(top.second - top.first) +
+             " rows of different loads: the gauge is at its end" +
+             (keep ? ", the rows are kept" : ", they are kept without a displacement (--keep saturation keeps it)")});
 }
 
 void findEvents(ImportedRun& run, const Hints& hints) {

@@ -1,13 +1,11 @@
 #include "plugin/recording/import/free_run.h"
 
 #include "plugin/recording/import/release_state.h"
+#include "plugin/recording/import/scene_run.h"
 #include "plugin/recording/table/json_text.h"
-#include "plugin/scene/loader/loader.h"
-#include "plugin/scene/loader/shipped.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -173,32 +171,18 @@ Result<Description> describeFree(const Imported& all, const TemplateOptions& opt
     d.assumed = {"/gravity_m_s2: [0.0,-9.81]", "/observed/zero_unc_deg: 0.5",
                  "/sensors/angle_noise_std_deg_approx: half a step of the encoder"};
     if (!options.sceneFile.empty()) {
-        std::vector<scene::Problem> problems;
-        std::error_code missing;
-        std::string file = options.sceneFile;
-        if (!std::filesystem::is_regular_file(file, missing)) // the name of one that comes with the program
-            if (const std::string shipped = scene::shippedScene(file); !shipped.empty())
-                file = shipped;
-        const auto text = scene::readFile(file, problems);
-        const auto scene =
-            text ? scene::loadText(*text, file, {}, problems) : Result<scene::Scene>::failure(text.error());
-        if (!scene) { // the first error says enough
-            const auto first = std::find_if(problems.begin(), problems.end(), [](const scene::Problem& p) {
-                return p.severity == scene::Problem::Severity::Error;
-            });
-            return Answer::failure(first->toString());
-        }
-        const std::string name = std::filesystem::path(file).filename().string();
-        json["scene"] = name;
-        d.files.emplace_back(name, *text);
+        const auto named = readNamedScene(options.sceneFile);
+        if (!named)
+            return Answer::failure(named.error());
+        json["scene"] = named->name;
+        d.files.emplace_back(named->name, named->text);
         std::vector<std::string> moving;
-        for (const step::BodyDefinition& b : scene->rigid.bodies)
+        for (const step::BodyDefinition& b : named->scene.rigid.bodies)
             if (b.type == step::BodyType::Dynamic)
                 moving.push_back(b.name);
         if (moving.size() == 1)
             json["observed"]["body"] = moving.front();
-        addParameters(*scene, all, json, d.remarks);
-        d.assumed.emplace_back("/scene_parameters: the scene's own values, all of them exact");
+        addParameters(named->scene, all, json, d.remarks);
     }
     d.json = record::jsonText(json) + "\n";
     return d;

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 namespace supercircle::importing {
@@ -92,6 +93,32 @@ Status addMarkers(Signals&& part, Imported& all) {
     return {};
 }
 
+/// One table of points that were read at rest: order, zeros and signs stay as they are.
+Status addTableOfPoints(Signals&& part, ImportedRun&& run, const Table& table, std::size_t runsOfFile,
+                        const Hints& hints, Imported& all) {
+    constexpr std::size_t kPoints = 6; // as an experiment wants them (docs/reference/experiment_format.md, "Tables")
+    if (part.rows() < kPoints)
+        return Status::failure(std::to_string(part.line.front()) + ":1: " + std::to_string(part.rows()) +
+                               " rows without a clock; a table of points read at rest needs " +
+                               std::to_string(kPoints));
+    run.atRest = true;
+    run.rate = 1.0;
+    std::vector<double> row(part.rows());
+    std::iota(row.begin(), row.end(), 0.0);
+    std::erase_if(part.channels, [](const Channel& c) {
+        return c.quantity != Quantity::Force && c.quantity != Quantity::Displacement;
+    });
+    part.channels.insert(part.channels.begin(), {Quantity::Time, {}, std::move(row)});
+    run.signals = std::move(part);
+    run.remarks.push_back({Kind::Understood, 0,
+                           "there is no clock: the rows are points that were read at rest (--rate or --speed makes "
+                           "times)"});
+    censorGauge(run, hints);
+    addDoubts(run, table, runsOfFile);
+    all.runs.push_back(std::move(run));
+    return {};
+}
+
 /// One run of a file.
 Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_t runsOfFile, const Hints& hints,
               Imported& all) {
@@ -100,6 +127,9 @@ Status addRun(Signals&& part, std::size_t source, const Table& table, std::size_
     if (Status plausible = checkPlausible(part); !plausible)
         return plausible;
     const bool clock = measures(part, Quantity::Time);
+    if (!clock && hints.atRest && hints.rate == 0.0 && hints.speed == 0.0 && measures(part, Quantity::Force) &&
+        measures(part, Quantity::Displacement))
+        return addTableOfPoints(std::move(part), std::move(run), table, runsOfFile, hints, all);
     if (!clock)
         repairCounter(part, run.remarks); // times derived from travel need the original travel
     if (Status repaired = repairTime(part, hints, table.layout.metadata, run.remarks); !repaired)

@@ -24,6 +24,7 @@ struct Source {
 struct ImportedRun {
     std::size_t source = 0;       ///< index into Imported::sources
     std::string file;             ///< "run_1.csv"
+    bool atRest = false;          ///< a table of points read at rest: its times are the numbers of its rows
     Signals signals;              ///< time, displacement, force, angle of the run
     Drive drive;                  ///< empty if there is no displacement
     double rate = 0.0;            ///< Hz

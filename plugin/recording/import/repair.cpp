@@ -287,13 +287,13 @@ Status timeWithoutClock(Signals& signals, const Hints& hints, const std::vector<
                                (missing > 0 ? " or is missing" : "") +
                                ": dwells have no time without a clock "
                                "(--rate gives them one)"});
-    remarks.push_back({known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
-                       known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) +
-                                   " mm/s as " + (hints.speed > 0.0 ? "given" : "stated in the header") +
-                                   (ticks ? ", one tick a row" : "")
-                             : std::string("there is no time; the crosshead is assumed to move at 1 mm/s") +
-                                   (ticks ? " on the whole, one tick a row" : "") +
-                                   ": rates are not known (state them better with --speed or --rate)"});
+    remarks.push_back(
+        {known ? Kind::Understood : Kind::Assumed, hints.speed > 0.0 || !speed ? 0 : speed->line,
+         known ? "there is no time; the crosshead moves at " + shown(1e3 * metresPerSecond) + " mm/s as " +
+                     (hints.speed > 0.0 ? "given" : "stated in the header") + (ticks ? ", one tick a row" : "")
+               : std::string("there is no time; the crosshead is assumed to move at 1 mm/s") +
+                     (ticks ? " on the whole, one tick a row" : "") +
+                     ": rates are not known (state them better with --speed or --rate; points read at rest: --scene)"});
     return {};
 }
 

@@ -74,6 +74,7 @@ struct Hints {
     std::set<std::string> accept;     ///< faults that are taken as they are: "dropped", "jumps", "marks", "units"
     std::set<std::string> cut;        ///< events from which on rows are removed: "break", "falls", "gaps"
     std::set<std::string> keep;       ///< events whose rows are kept as they are: "saturation"
+    bool atRest = false;              ///< without times, rates and speeds rows are points that were read at rest
     ForceZero forceZero;
     int fromTurningPoint = 0; ///< angles: rows before this turning point are removed; 0: none
     int average = 1;          ///< angles: number of rows averaged into one

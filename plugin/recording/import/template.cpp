@@ -3,6 +3,7 @@
 #include "plugin/recording/import/derive.h"
 #include "plugin/recording/import/free_run.h"
 #include "plugin/recording/import/reading/metadata.h"
+#include "plugin/recording/import/scene_run.h"
 #include "plugin/recording/import/specimen_file.h"
 #include "plugin/recording/table/json_text.h"
 #include "supercircle/support/elementary.h"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace supercircle::importing {
@@ -228,7 +230,7 @@ const char* expectedAt(const std::string& key) {
         {"body", "name of the body whose angle was recorded"},
         {"protocol",
          "shell_on_rigid_cylinder, two_shells, strip_on_rigid_floor, arch_between_plates, ring_between_plates, "
-         "tethered_strip or free_scene"},
+         "tethered_strip, free_scene or scene"},
         {"arc_length_m", "length along the strip, m"},
         {"natural_curvature_1_m", "1 / radius of the unloaded specimen, 1/m; 0: straight"},
         {"thickness_m", "m"},
@@ -306,25 +308,54 @@ Description fillIn(const Imported& all, const std::string& protocol, const Json&
     return result;
 }
 
-Result<Description> fillInFree(const Imported& all, const TemplateOptions& options, const Json& own) {
-    auto result = describeFree(all, options);
+/// With the user's own values.
+Result<Description> filled(Result<Description>&& result, const Json& own) {
     if (!result)
         return result;
     const Json frame = record::parseJson(result->json);
     Json json = frame;
     merge(json, own);
     std::erase_if(result->assumed, [&](const std::string& s) { return states(own, s.substr(0, s.find(':'))); });
+    std::string exact;
+    for (const auto& [name, value] : frame["scene_parameters"].items())
+        if (states(own, "/scene_parameters/" + name))
+            json["scene_parameters"][name] =
+                own["scene_parameters"][name]; // whole: a width of another kind may stand there
+        else
+            exact += (exact.empty() ? "" : ", ") + name;
+    if (!exact.empty())
+        result->assumed.push_back("/scene_parameters: the scene's own values, exact, of " + exact);
     collectTodo(json, frame, "", result->todo);
     result->json = text(json) + "\n";
-    return result;
+    return std::move(result);
+}
+
+/// Whether a recording with forces belongs to a scene, and to which: that of the option, or of the user's own file.
+Status chooseScene(const Json& own, std::string& protocol, TemplateOptions& options) {
+    if (protocol.empty() && !options.sceneFile.empty())
+        protocol = "scene";
+    if (protocol != "scene")
+        return options.sceneFile.empty() ? Status()
+                                         : Status::failure("--scene is for the protocol scene, and this is " +
+                                                           protocol + "; expected one of the two");
+    if (!options.sceneFile.empty())
+        return {};
+    if (!own.contains("scene") || !own["scene"].is_string())
+        return Status::failure("the protocol scene needs a scene; give its file or its name with --scene");
+    options.sceneFile = own["scene"];
+    std::error_code missing;
+    const auto beside = std::filesystem::path(options.specimenFile).parent_path() / options.sceneFile;
+    if (std::filesystem::is_regular_file(beside, missing))
+        options.sceneFile = beside.string();
+    return {};
 }
 
 } // namespace
 
 const std::vector<std::string>& protocols() {
     static const std::vector<std::string> kAll = {
-        "shell_on_rigid_cylinder", "two_shells", "strip_on_rigid_floor", "arch_between_plates", "ring_between_plates",
-        "tethered_strip",          "free_scene"};
+        "shell_on_rigid_cylinder", "two_shells",     "strip_on_rigid_floor", "arch_between_plates",
+        "ring_between_plates",     "tethered_strip", "free_scene",           "scene"};
     return kAll;
 }
 
@@ -345,17 +376,21 @@ Result<Description> describe(const Imported& all, const TemplateOptions& options
             return Answer::failure(read.error());
         own = record::parseJson(*read);
     }
+    const bool angles = std::all_of(all.runs.begin(), all.runs.end(),
+                                    [](const ImportedRun& r) { return r.signals.find(Quantity::Force) == nullptr; });
     std::string protocol = options.protocol;
     if (own.contains("protocol") && own["protocol"].is_string()) {
         const std::string said = own["protocol"];
         if (!protocol.empty() && said != protocol)
             return Answer::failure(options.specimenFile + ": /protocol: this is \"" + said +
                                    "\", but --protocol says \"" + protocol + "\"; expected one protocol");
-        if (std::find(known.begin(), known.end(), said) != known.end())
+        if (std::find(known.begin(), known.end(), said) != known.end() && !(angles && said == "scene"))
             protocol = said;
     }
-    const bool angles = std::all_of(all.runs.begin(), all.runs.end(),
-                                    [](const ImportedRun& r) { return r.signals.find(Quantity::Force) == nullptr; });
+    TemplateOptions scene = options;
+    if (!angles)
+        if (Status chosen = chooseScene(own, protocol, scene); !chosen)
+            return Answer::failure(chosen.error());
     if (const bool free = protocol == "free_scene"; free != angles || all.runs.empty()) {
         if (free || !protocol.empty())
             return Answer::failure(free ? "the protocol free_scene is about angles, and there are forces"
@@ -368,7 +403,9 @@ Result<Description> describe(const Imported& all, const TemplateOptions& options
     }
     try {
         if (angles)
-            return fillInFree(all, options, own);
+            return filled(describeFree(all, options), own);
+        if (protocol == "scene")
+            return filled(describeScene(all, scene, text(frameOf(all, "")["runs"])), own);
         return fillIn(all, protocol, own);
     } catch (const Json::exception& e) { // wrong types
         const std::string what = e.what();

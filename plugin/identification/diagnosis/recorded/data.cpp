@@ -202,24 +202,34 @@ double RecordedData::usualCorrelationTime() const {
 }
 
 std::string tooFewReadings(const experiment::Experiment& e) {
-    constexpr std::size_t kFewest = 20, kSpare = 5; // of a run; of all tables beyond the free numbers
-    if (experiment::isTable(e)) {
-        std::size_t rows = 0;
-        for (const experiment::Run& run : e.runs)
-            rows += run.readings.time.size();
-        if (e.sensors.forceNoise <= 0.0)
-            return "a table does not show its noise; state \"noise_std\" in /channels/0";
-        const std::size_t free = replay::freeNumbers(e);
-        return rows >= free + kSpare ? std::string()
-                                     : std::to_string(rows) + " rows of tables are too few for " +
-                                           std::to_string(free) + " numbers with an interval; a diagnosis needs " +
-                                           std::to_string(free + kSpare) + ": record more, or state fewer intervals";
+    // Readings of a run that show their own noise; of a run at all; in all beyond the free numbers.
+    constexpr std::size_t kShown = 20, kFewest = 6, kSpare = 5;
+    if (e.runs.empty())
+        return "there are no runs";
+    std::size_t rows = 0;
+    const experiment::Run* shortest = &e.runs.front();
+    for (const experiment::Run& run : e.runs) {
+        rows += run.readings.time.size();
+        if (run.readings.time.size() < shortest->readings.time.size())
+            shortest = &run;
     }
-    for (const experiment::Run& run : e.runs)
-        if (run.readings.time.size() < kFewest)
-            return run.file + " has " + std::to_string(run.readings.time.size()) +
-                   " rows; a diagnosis needs at least " + std::to_string(kFewest) + " readings of each run";
-    return {};
+    const std::size_t least = shortest->readings.time.size();
+    const bool table = experiment::isTable(e);
+    if (!table && least >= kShown)
+        return {};
+    const bool stated = e.sensors.forceNoise > 0.0;
+    const std::string has = shortest->file + " has " + std::to_string(least) + " rows; a diagnosis needs at least ";
+    if (!table && (!stated || least < kFewest))
+        return has + std::to_string(stated ? kFewest : kShown) + " readings of each run" +
+               (stated ? "" : ", or the noise of the readings, which fewer do not show");
+    if (!stated)
+        return "a table does not show its noise; state \"noise_std\" in /channels/0";
+    const std::size_t free = replay::freeNumbers(e);
+    if (rows >= free + kSpare)
+        return {};
+    return std::to_string(rows) + (table ? " rows of tables" : " rows") + " are too few for " + std::to_string(free) +
+           " numbers with an interval; a diagnosis needs " + std::to_string(free + kSpare) +
+           ": record more, or state fewer intervals";
 }
 
 RecordedData recordedDataOf(const experiment::Experiment& e) {
@@ -232,6 +242,7 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.freeShells = data.free && !experiment::isMechanism(e);
     data.table = experiment::isTable(e);
     data.drivesLoad = experiment::drivesLoad(e);
+    data.drive = experiment::driveAxis(e);
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;

@@ -157,9 +157,11 @@ Status checkUnusedClock(Draft& d, const Hints& hints) {
             return {};
         }
         d.wrong = c;
-        return Status::failure(what + "if it is one, state --columns " + columnsOf(t, c) +
-                               ", else --rate HZ or --speed MM_PER_S; rows that were read at rest, such as "
-                               "deflections at weights, need no import: docs/reference/experiment_format.md, Tables");
+        return Status::failure(
+            what + "if it is one, state --columns " + columnsOf(t, c) +
+            ", else --rate HZ or --speed MM_PER_S; rows that were read at rest, such as "
+            "deflections at weights, need a scene, for instance --columns force[kgf],displacement[mm] "
+            "--scene cantilever_weights");
     }
     return {};
 }

@@ -83,3 +83,27 @@ TEST_CASE("nothing that needs a clock is tried on a table", "[diagnosis][tables]
     }
     CHECK(runs[1].displacement[12] == Approx(1.5 * 0.22 * 9.81));
 }
+
+TEST_CASE("a short run with a clock is enough where its noise is stated", "[diagnosis][tables]") {
+    using Catch::Matchers::Contains;
+    const test::Folder folder;
+    const auto pulled = [&](int rows, const std::string& noise) {
+        std::string text = "time_s,displacement_mm,force_N\n";
+        for (int k = 0; k < rows; ++k)
+            text += std::to_string(0.1 * k) + "," + std::to_string(0.2 * k) + "," +
+                    std::to_string(std::min(0.1 * k, 0.588)) + "\n";
+        folder.write("pulled.csv", text);
+        auto out =
+            experiment::load(folder.write("pulled.json", R"({"schema": "rod-recordings/1", "protocol": "scene",
+            "scene": "sled", "scene_parameters": {"mu": {"value": 0.3, "unc": 0.1}}, "drive": {"column": "displacement_mm"},
+            "channels": [{"observe": "force", "column": "force_N")" +
+                                                             noise + R"(}], "runs": [{"file": "pulled.csv"}]})"));
+        INFO(out.error());
+        REQUIRE(out);
+        return tooFewReadings(*out);
+    };
+    CHECK(pulled(20, "").empty());
+    CHECK(pulled(8, R"(, "noise_std": 0.005)").empty());
+    CHECK_THAT(pulled(8, ""), Contains("at least 20 readings of each run, or the noise"));
+    CHECK_THAT(pulled(5, R"(, "noise_std": 0.005)"), Contains("at least 6 readings"));
+}

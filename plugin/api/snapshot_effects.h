@@ -76,6 +76,13 @@ void io(Ar& ar, Is<effects::DragModel> auto& m) {
 }
 
 template <class Ar>
+void io(Ar& ar, Is<effects::AirModel> auto& m) {
+    auto& [linear, quadratic] = m;
+    ar(linear, quadratic);
+    demand(ar, within(linear, 0.0, 1e6) && within(quadratic, 0.0, 1e6));
+}
+
+template <class Ar>
 void io(Ar& ar, Is<effects::FrictionModel> auto& m) {
     auto& [staticRatio, slipWeakening, healing, presliding, rate, rateStrength, rateSpeed, wearChange, wearDistance,
            wear, rateCurve, wearCurve, rateTable, wearTable, direct, evolution, stateSlip, stateSpeed, stateCreep,
@@ -152,17 +159,17 @@ void ioState(Ar& ar, List& list, const std::remove_const_t<List>& made) {
 
 template <class Ar>
 void ioEffects(Ar& ar, const rod::RodModel& rod, Is<effects::RodEffects> auto& fx) {
-    auto& [material, drag, surface, attraction, energies, settings] = fx;
+    auto& [material, drag, air, surface, attraction, energies, settings] = fx;
     auto& [laws, upTo, age, plastic, hardened, overstress] = material;
     auto& [dragModel, dragPlace, dragWeight, stretch] = drag;
     auto& [contact, spacing, sites] = surface;
     effects::Model model;
     if constexpr (Ar::kLoads) {
-        ar(model.material, model.drag, model.contact);
+        ar(model.material, model.drag, model.air, model.contact);
         if (ar.fault().empty())
             fx = effects::makeRodEffects(rod, model);
     } else {
-        ar(laws, dragModel, contact);
+        ar(laws, dragModel, air.model, contact);
     }
     const effects::RodEffects made = Ar::kLoads ? fx : effects::RodEffects{};
     ar(age, energies);

@@ -122,6 +122,16 @@ struct DragModel {
     bool operator==(const DragModel&) const = default;
 };
 
+/// Air that resists the motion of every point of a rod along its normal. Friction along the tangent and the mass of air
+/// that moves with the rod are left out.
+struct AirModel {
+    double linear = 0.0;    ///< force per length over speed, N s/m^2
+    double quadratic = 0.0; ///< force per length over speed squared, N s^2/m^3
+
+    [[nodiscard]] bool on() const { return linear > 0.0 || quadratic > 0.0; }
+    bool operator==(const AirModel&) const = default;
+};
+
 /// How the friction coefficient of a contact depends on its state, as factors of the declared one.
 struct FrictionModel {
     enum class Rate : std::uint8_t { Stribeck, Logarithmic, Viscous, Learned, Table };
@@ -246,6 +256,7 @@ struct BodiesModel {
 struct Model {
     MaterialModel material;
     DragModel drag;
+    AirModel air;
     Vec2 gravity = Vec2::Zero(); ///< added to the declared gravity, m/s^2
     ContactModel contact;
     ApparatusModel apparatus;

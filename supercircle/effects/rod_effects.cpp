@@ -6,6 +6,7 @@ RodEffects makeRodEffects(const rod::RodModel& rod, const Model& model) {
     RodEffects fx;
     fx.material = makeMaterial(rod, model.material);
     fx.drag = makeDrag(rod, model.drag);
+    fx.air = makeAir(rod, model.air);
     fx.surface = makeSurface(rod, model.contact);
     fx.adhesion = makeAdhesion(rod, model.contact.adhesion);
     return fx;

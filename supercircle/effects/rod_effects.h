@@ -3,6 +3,7 @@
 
 #include "supercircle/effects/effect.h"
 #include "supercircle/effects/laws/adhesion.h"
+#include "supercircle/effects/laws/air.h"
 #include "supercircle/effects/laws/drag.h"
 #include "supercircle/effects/laws/material.h"
 #include "supercircle/effects/surface.h"
@@ -12,12 +13,13 @@ namespace supercircle::effects {
 struct RodEffects {
     Material material;
     Drag drag;
+    Air air;
     Surface surface;
     Adhesion adhesion;
     EffectEnergies energies{};
     std::vector<Setting> settings; ///< what the models were made of, if given as settings; no step reads it
     /// True for effects of the rod alone; surface and adhesion involve other objects, too.
-    [[nodiscard]] bool on() const { return material.on() || drag.on(); }
+    [[nodiscard]] bool on() const { return material.on() || drag.on() || air.on(); }
 };
 
 /// All slots that act on a rod, in their initial state.

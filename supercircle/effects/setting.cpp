@@ -193,7 +193,7 @@ bool actsOnMechanisms(const Effect& effect) {
 
 bool actsOnShells(const Effect& effect) {
     return effect.slot != Slot::Apparatus && effect.slot != Slot::Sensor && effect.key != Key::Gravity &&
-           !actsOnMechanisms(effect);
+           (!actsOnMechanisms(effect) || effect.key == Key::AirDrag);
 }
 
 std::vector<Setting> settingsFor(const std::vector<Setting>& settings, std::string_view shell) {

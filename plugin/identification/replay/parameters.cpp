@@ -282,7 +282,8 @@ bool acts(const Experiment& experiment, effects::Key key, std::size_t channel) {
     switch (key) {
     case effects::Key::BearingFriction:
         return mechanism && experiment.scene->turns;
-    case effects::Key::AirDrag:
+    case effects::Key::AirDrag: // rods that are moved slowly feel none
+        return mechanism || experiment::isFree(experiment);
     case effects::Key::GuideFriction:
     case effects::Key::NonlinearSpring:
         return mechanism;
@@ -332,8 +333,9 @@ std::string checkEffects(const Parameters& parameters, const Experiment& experim
                    (experiment::isTable(experiment) && needsClock(s.key)
                         ? " needs the times of the rows, which a table does not have"
                     : experiment::isMechanism(experiment) ? " has nothing to act on in this scene of rigid bodies"
-                    : experiment::isFree(experiment)
-                        ? " has nothing to act on in this scene without a machine"
+                    : experiment::isFree(experiment)      ? " has nothing to act on in this scene without a machine"
+                    : s.key == effects::Key::AirDrag
+                        ? " acts where shells or bodies move freely, which this experiment is not about"
                         : " acts only on the rigid bodies of a scene, which this experiment is not");
     std::vector<std::string> known;
     for (const Specimen& s : experiment.specimens)

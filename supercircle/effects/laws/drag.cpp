@@ -1,5 +1,7 @@
 #include "supercircle/effects/laws/drag.h"
 
+#include "supercircle/effects/laws/air.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,11 +12,7 @@ Drag makeDrag(const rod::RodModel& rod, const DragModel& model) {
     d.model = model;
     if (!model.on())
         return d;
-    for (int e = 0; e < rod.elements(); ++e)
-        for (const double g : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
-            d.points.push_back(rod::locate(rod, e, rod.nodeS(e) + g * rod.elementLength(e)));
-            d.weight.push_back(0.5 * rod.elementLength(e));
-        }
+    listPoints(rod, d.points, d.weight);
     d.stretch.assign(d.points.size(), Vec2::Zero());
     return d;
 }

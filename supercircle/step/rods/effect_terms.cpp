@@ -2,6 +2,7 @@
 
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,6 +120,38 @@ void addDrag(const Rod& rod, double dt, RodWork& w) {
     }
 }
 
+/// Unit normal of a rod at a point.
+Vec2 normalAt(const rod::Kinematics& kin, const rod::MaterialPoint& at) {
+    const auto [s, c] = math::sinCos(kin.angle(at));
+    return {-s, c};
+}
+
+/// Air, linear in the speed about that of the prediction.
+void addAir(const Rod& rod, double dt, RodWork& w) {
+    EffectWork& work = w.effects;
+    const effects::Air& air = rod.effects.air;
+    work.airRows.resize(air.points.size());
+    work.airSpeed.resize(air.points.size());
+    work.air.resize(air.points.size());
+    const Eigen::VectorXd motion = 2.0 / dt * (w.qk - rod.q);
+    for (std::size_t i = 0; i < air.points.size(); ++i) {
+        auto& J = work.airRows[i];
+        J.resize(2, rod.model.dofs());
+        const Vec2 normal = normalAt(w.kin, air.points[i]);
+        w.kin.pointRows(rod.model, air.points[i], Vec2::Zero(), normal, rod::perp(normal), J);
+        work.airSpeed[i] = J.row(0).dot(motion);
+        work.air[i] = effects::airAt(air, i, work.airSpeed[i]);
+        const effects::AirResponse& p = work.air[i];
+        addOuter(J, Eigen::Vector2d(dt * p.slope, 0.0).asDiagonal(), work.columns, w.A);
+        w.rhs += dt * (p.slope * work.airSpeed[i] - p.force) * J.row(0).transpose();
+    }
+}
+
+/// Force of the linearised air on point i, against its motion.
+double linearAir(const EffectWork& work, std::size_t i, double speed) {
+    return work.air[i].force + work.air[i].slope * (speed - work.airSpeed[i]);
+}
+
 /// Force of the linearised drag on point i.
 Vec2 linearDrag(const EffectWork& work, std::size_t i, const Vec2& way) {
     return work.drag[i].force - work.drag[i].stiffness * (way - work.way[i]);
@@ -132,6 +165,8 @@ void addEffects(const Rod& rod, double dt, bool again, RodWork& w) {
     w.effects.tries = again ? w.effects.tries + 1 : 1;
     if (rod.effects.drag.on())
         addDrag(rod, dt, w);
+    if (rod.effects.air.on())
+        addAir(rod, dt, w);
 }
 
 double effectError(const Rod& rod, double dt, const RodWork& w) {
@@ -169,6 +204,18 @@ double effectError(const Rod& rod, double dt, const RodWork& w) {
         }
         worst = std::max(worst, sum / unit);
     }
+    if (rod.effects.air.on()) {
+        const rod::RodDefinition& d = rod.model.definition();
+        double missed = 0.0, sum = 0.0;
+        for (std::size_t i = 0; i < work.airRows.size(); ++i) {
+            const double speed = work.airRows[i].row(0).dot(w.v);
+            const double force = effects::airAt(rod.effects.air, i, speed).force;
+            missed += std::abs(force - linearAir(work, i, speed));
+            sum += std::abs(force);
+        }
+        worst = std::max(worst,
+                         missed / (kDragTolerance * sum + kMomentTolerance * d.bendingModulus / (d.length * d.length)));
+    }
     return worst;
 }
 
@@ -201,6 +248,12 @@ EffectEnergyChange acceptEffects(Rod& rod, double dt, const RodWork& w) {
             fx.drag.stretch[i] = p.stretch;
         }
         book.stored = effects::storedEnergy(fx.drag);
+    }
+    for (std::size_t i = 0; fx.air.on() && i < work.airRows.size(); ++i) {
+        const double speed = work.airRows[i].row(0).dot(w.v);
+        given += dt * speed * linearAir(work, i, speed);
+        fx.energies[static_cast<std::size_t>(effects::Key::AirDrag)].dissipated +=
+            dt * speed * effects::airAt(fx.air, i, speed).force;
     }
     out.taken = effects::taken(fx.energies) - before;
     out.secondOrder = given - out.taken;

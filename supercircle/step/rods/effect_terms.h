@@ -1,6 +1,6 @@
 #pragma once
 // Effects of the catalogue inside a step (private to step/), as far as they concern one rod: material laws beside the
-// linear bending, and planar drag.
+// linear bending, planar drag and air.
 //
 // Both are laws of the configuration at the end of the step. They enter A and the right-hand side linearised at the end
 // as predicted, q* = 2 q_k - q, so that the first linearisation is a prediction from the last velocity and every

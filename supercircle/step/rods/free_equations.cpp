@@ -4,6 +4,7 @@
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/rods/hold_springs.h"
 #include "supercircle/support/invariants.h"
+#include "supercircle/support/trig.h"
 
 #include <algorithm>
 
@@ -60,6 +61,7 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
         rod::addBendingStiffness(model, tau * viscosity_, w_.A);
     addRelaxingTangent(rod_, tau, w_.A);
     addHoldSpringStiffness(rod_, w_.kin, tau * tau, w_.A);
+    addAirTangent(tau);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
@@ -157,13 +159,51 @@ void FreeEquations::addAngleRow(const rod::MaterialPoint& at, double sign, Eigen
     f_.C.row(row) += sign * f_.turn;
 }
 
-void FreeEquations::addPointRow(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis, double sign,
-                                Eigen::Index row) {
+/// Into `turn`: the row of a point along an axis, about the centre of mass.
+void FreeEquations::rowAlong(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis) {
     w_.rowsOfLoad.resize(2, n_);
     w_.kin.pointRows(rod_.model, at, offset, axis, rod::perp(axis), w_.rowsOfLoad);
     f_.turn = w_.rowsOfLoad.row(0) - (axis.x() * f_.mean[0] + axis.y() * f_.mean[1]).transpose() / mass();
     f_.turn.segment<2>(x()) = axis;
+}
+
+void FreeEquations::addPointRow(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis, double sign,
+                                Eigen::Index row) {
+    rowAlong(at, offset, axis);
     f_.C.row(row) += sign * f_.turn;
+}
+
+void FreeEquations::airRow(std::size_t point) {
+    const rod::MaterialPoint& at = rod_.effects.air.points[point];
+    const auto [s, c] = math::sinCos(w_.kin.angle(at));
+    rowAlong(at, Vec2::Zero(), {-s, c});
+}
+
+/// Of the speeds at the start of the step.
+void FreeEquations::addAirTangent(double tau) {
+    const effects::Air& air = rod_.effects.air;
+    if (!air.on())
+        return;
+    meanRows();
+    for (std::size_t i = 0; i < air.points.size(); ++i) {
+        airRow(i);
+        const double slope = effects::airAt(air, i, f_.turn.dot(f_.v)).slope;
+        w_.A.noalias() += (tau * slope) * f_.turn.transpose() * f_.turn;
+    }
+}
+
+void FreeEquations::addAir(FreeStage& s) {
+    const effects::Air& air = rod_.effects.air;
+    s.airPower = 0.0;
+    if (!air.on())
+        return;
+    meanRows();
+    for (std::size_t i = 0; i < air.points.size(); ++i) {
+        airRow(i);
+        const double speed = f_.turn.dot(s.v), force = effects::airAt(air, i, speed).force;
+        f_.force -= force * f_.turn.transpose();
+        s.airPower += force * speed;
+    }
 }
 
 void FreeEquations::eliminate() {
@@ -182,6 +222,7 @@ void FreeEquations::residual(double tau, double ahead, FreeStage& s) {
     addBending(tau, ahead, s);
     f_.force.segment<2>(x()) = mass() * world_.gravity;
     addForces();
+    addAir(s);
     rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);
     f_.product.segment<2>(x()) = mass() * s.v.segment<2>(x());
     s.p = s.p0 + tau * f_.force;

@@ -40,6 +40,10 @@ private:
     void addBending(double tau, double ahead, FreeStage& s);
     void meanRows();
     void addForces();
+    void rowAlong(const rod::MaterialPoint& at, const Vec2& offset, const Vec2& axis);
+    void airRow(std::size_t point);
+    void addAirTangent(double tau);
+    void addAir(FreeStage& s);
 
     const World& world_;
     const Rod& rod_;

@@ -59,8 +59,8 @@ private:
     FreeSystem system_;
     double least_ = 0.0;  ///< step of their own that errors may ask for, s
     double energy_ = 0.0; ///< of guarded rods and the bodies on them at the start of a step of their own, J
-    /// Whether the rigid motion has errors too, as joints or forces at points act; whether energy may be brought in, as
-    /// by those or by holds.
+    /// Whether the rigid motion has errors too, as joints, forces at points or air act; whether energy may be brought
+    /// in, as by those or by holds.
     bool inexact_ = false, guarded_ = false;
     bool yields_ = false; ///< a rod flows: the ordinary step has the flow rule
 };
@@ -82,7 +82,7 @@ void FreeMotion::beginRod(const Rod& rod, FreeWork& f) {
     f.q.segment<2>(x) = f.centre;
     f.p.segment<2>(x) = model.mass() * drift;
     f.v.segment<2>(x) = drift;
-    f.holdWork = f.damped = 0.0;
+    f.holdWork = f.damped = f.airTaken = 0.0;
     beginMaterial(rod, f);
     f.least = rod::bendingEnergy(model, rod.q);
     f.closest = std::numeric_limits<double>::infinity();
@@ -102,7 +102,7 @@ bool FreeMotion::begin() {
         w.moved = w.shift = w.error = 0.0;
         g_.vibration = std::max(g_.vibration, rod.vibration);
         g_.size = std::min(g_.size, rod.freeStep);
-        inexact_ = inexact_ || !rod.forces.empty();
+        inexact_ = inexact_ || !rod.forces.empty() || rod.effects.air.on();
         guarded_ = guarded_ || inexact_ || !rod.holds.empty();
     }
     system_.evaluate();
@@ -238,6 +238,7 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
         const double weight = stage == 0 ? kExtrapolate : 1.0; // times tau
         if (viscosity > 0.0)
             f.damped += weight * tau * viscosity * rod::bendingForm(model, s.v);
+        f.airTaken += weight * tau * s.airPower;
     }
     takeMaterial(rod, start, size, f);
 }
@@ -406,6 +407,8 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     energies.damping = f.damped > 0.0 ? f.damped * (rod.dampingTime / viscosityOf(rod)) : 0.0;
     if (rod.effects.material.on())
         energies.effects = acceptMaterial(rod, dt, f.damped - energies.damping, f);
+    energies.effects += f.airTaken;
+    rod.effects.energies[static_cast<std::size_t>(effects::Key::AirDrag)].dissipated += f.airTaken;
     // What the scheme took, in total: its parts have no sign of their own.
     energies.secondOrder = energies.holdWork + energies.loadWork - energies.damping - energies.effects -
                            (energies.kineticChange + energies.bendingChange + energies.gravityChange);

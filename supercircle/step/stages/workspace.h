@@ -49,6 +49,9 @@ struct EffectWork {
     std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> rows; ///< of the drag's points
     std::vector<Vec2> way;                                      ///< in the step as predicted, m
     std::vector<effects::DragResponse> drag;
+    std::vector<Eigen::Matrix<double, 2, Eigen::Dynamic>> airRows; ///< of the air's points, along normal and tangent
+    std::vector<double> airSpeed;                                  ///< along the normal as predicted, m/s
+    std::vector<effects::AirResponse> air;
     std::vector<Eigen::Index> columns; ///< storage: those of a point that are not zero
     int tries = 0;                     ///< linearisations of this step so far
 };
@@ -89,6 +92,7 @@ struct FreeStage {
     Eigen::VectorXd impulse;                     ///< of its holds, then of its joints, N s
     Eigen::VectorXd change;                      ///< scratch
     std::vector<double> overstress0, overstress; ///< of Maxwell branches, by branch and element, 1/m
+    double airPower = 0.0;                       ///< that the air takes, W
 };
 
 /// Free motion of a rod within a step: state and storage. q, p, v have the centre of mass in place of the middle.
@@ -100,6 +104,7 @@ struct FreeWork {
     double least = 0.0;                                        ///< see Rod::leastBending
     double holdWork = 0.0, damped = 0.0;                       ///< J
     double relaxed = 0.0, softened = 0.0;                      ///< by Maxwell branches and by age, J
+    double airTaken = 0.0;                                     ///< by the air, J
     std::vector<double> overstress;                            ///< as in FreeStage
     int steps = 0, iterations = 0;                             ///< of its group
     Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m

@@ -111,7 +111,7 @@ TEST_CASE("a wrong key or parameter of an effect is answered with the nearest on
     CHECK_THAT(why("viscoelastic_bending", {{"branch_over_B", 0.1}}), Contains("standard_linear_solid"));
     CHECK_THAT(why("gravity"), Contains("b2World::SetGravity"));
     CHECK_THAT(why("sensor_gain"), Contains("testing machine"));
-    CHECK_THAT(why("air_drag"), Contains("rigid bodies"));
+    CHECK_THAT(why("bearing_friction"), Contains("rigid bodies"));
     CHECK_THAT(shells.remove_effect(shell, "plasticty").error(), Contains("plasticity"));
     CHECK_FALSE(shells.set_effects(ShellHandle{}, "plasticity"));
     CHECK_FALSE(shells.effects(ShellHandle{}));

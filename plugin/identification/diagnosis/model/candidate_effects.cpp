@@ -267,6 +267,16 @@ double square(double v) {
     return v * v;
 }
 
+/// The air round shells that vibrate. A damping ratio of half a per cent is relevant, at the largest reading.
+void airOfShells(CandidateBuilder& w, const ExperimentScales& s, const Experiment& e) {
+    const double rate = 3.5 / s.units.time; // rad/s, of a clamped strip in its first mode
+    const double linear = 0.01 * e.specimens.front().linearMass.value * rate, quadratic = linear / (rate * s.travel);
+    w.variant("air_drag", "linear").amplitude("linear_N_s_m2", 0.0, 100.0 * linear, linear);
+    w.probe({linear}).probe({0.2 * linear});
+    w.variant("air_drag", "quadratic").amplitude("quadratic_N_s2_m3", 0.0, 100.0 * quadratic, quadratic);
+    w.probe({quadratic}).probe({0.2 * quadratic});
+}
+
 void bearings(CandidateBuilder& w, double torque, double viscous, double length) {
     w.variant("bearing_friction", "dry").amplitude("torque_N_m", 0.0, 50.0 * torque, torque);
     w.probe({torque}).probe({0.2 * torque});
@@ -371,6 +381,7 @@ CandidateEffects candidateEffectsFor(const Experiment& e, const std::vector<std:
     }
     material(w, s);
     localEffects(w, s, shells);
+    airOfShells(w, s, e);
     contacts(w, s);
     apparatus(w, s);
     furtherSensors(w, s, e);

@@ -64,19 +64,19 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
     record::Series force;
     const experiment::Channel& c = experiment::channel(e);
     const std::string name = c.name, unit = std::string("_") + c.unit;
-    const bool table = experiment::isTable(e); // its clock is made up
-    force.names = {"time_s", name + "_recorded" + unit, name + "_simulated" + unit, "residual" + unit};
-    force.columns = {run.readings.time, scaled(run.readings.force, c.perUnit), scaled(simulated, c.perUnit),
-                     scaled(done.comparison.residual, c.perUnit)};
+    const auto add = [&](const std::string& column, std::vector<double> values) {
+        force.names.push_back(column);
+        force.columns.push_back(std::move(values));
+    };
+    if (!experiment::isTable(e)) // its clock is made up
+        add("time_s", run.readings.time);
     if (!experiment::isFree(e)) {
         const experiment::DriveAxis drive = experiment::driveAxis(e);
-        force.names.insert(force.names.begin() + 1, drive.column());
-        force.columns.insert(force.columns.begin() + 1, scaled(run.readings.displacement, drive.perUnit));
+        add(drive.column(), scaled(run.readings.displacement, drive.perUnit));
     }
-    if (table) {
-        force.names.erase(force.names.begin());
-        force.columns.erase(force.columns.begin());
-    }
+    add(name + "_recorded" + unit, scaled(run.readings.force, c.perUnit));
+    add(name + "_simulated" + unit, scaled(simulated, c.perUnit));
+    add("residual" + unit, scaled(done.comparison.residual, c.perUnit));
     for (std::size_t i = 0; i < run.readings.further.size(); ++i) {
         const experiment::Channel& own = experiment::furtherChannels(e)[i].channel;
         std::vector<double> there =
@@ -86,8 +86,7 @@ std::string addTables(const experiment::Experiment& e, const experiment::Run& ru
              {std::pair<const char*, const std::vector<double>*>{"_recorded_", &run.readings.further[i]},
               {"_simulated_", &there},
               {"_residual_", &done.comparison.further[i].residual}}) {
-            force.names.push_back(own.name + word + own.unit);
-            force.columns.push_back(scaled(*column, own.perUnit));
+            add(own.name + word + own.unit, scaled(*column, own.perUnit));
         }
     }
     if (const std::string why = put(done.name + "_replay.csv", force); !why.empty())

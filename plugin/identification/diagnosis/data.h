@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,22 +96,22 @@ struct FurtherColumn {
 
 struct RecordedData {
     std::vector<RecordedRun> runs;
-    std::string channel = "force";      ///< what RecordedRun::force holds
-    std::string unit = "N";             ///< unit of that channel; degrees or mm for poses of free scenes
-    bool free = false;                  ///< nothing is driven
-    bool freeShells = false;            ///< shells move freely, not bodies alone: see freeBodies()
-    bool table = false;                 ///< rows are states of rest, without a clock
-    bool drivesLoad = false;            ///< RecordedRun::displacement is a load
-    experiment::DriveAxis drive;        ///< how it is shown
-    double statedForceNoise = 0.0;      ///< N, within about 30 %; 0: not stated
-    double statedMarkerNoise = 0.0;     ///< m
-    double displacementNoise = 0.0;     ///< m
-    double zeroHalfWidth = 0.0;         ///< N, stated, of the zero of a run; 0: not stated
-    double zeroWindow = 0.0;            ///< s, interval whose mean force is subtracted from the run
-    experiment::NaturalUnits units;     ///< of the set-up
-    double weight = 1.0;                ///< of the log-likelihood of the channel
-    std::vector<FurtherColumn> further; ///< channels beside it
-    std::vector<double> arcFraction;    ///< of each marker
+    std::string channel = "force";                ///< what RecordedRun::force holds
+    std::string unit = "N";                       ///< unit of that channel; degrees or mm for poses of free scenes
+    bool free = false;                            ///< nothing is driven
+    bool freeShells = false;                      ///< shells move freely, not bodies alone: see freeBodies()
+    bool table = false;                           ///< rows are states of rest, without a clock
+    bool drivesLoad = false;                      ///< RecordedRun::displacement is a load
+    std::optional<experiment::DriveAxis> drive{}; ///< how it is shown; empty: free runs
+    double statedForceNoise = 0.0;                ///< N, within about 30 %; 0: not stated
+    double statedMarkerNoise = 0.0;               ///< m
+    double displacementNoise = 0.0;               ///< m
+    double zeroHalfWidth = 0.0;                   ///< N, stated, of the zero of a run; 0: not stated
+    double zeroWindow = 0.0;                      ///< s, interval whose mean force is subtracted from the run
+    experiment::NaturalUnits units;               ///< of the set-up
+    double weight = 1.0;                          ///< of the log-likelihood of the channel
+    std::vector<FurtherColumn> further;           ///< channels beside it
+    std::vector<double> arcFraction;              ///< of each marker
     std::vector<std::string> markerNames;
     /// The recordings with a further channel in place of the first one, without markers.
     [[nodiscard]] RecordedData withChannel(std::size_t channel) const;

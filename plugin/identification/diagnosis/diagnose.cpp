@@ -41,9 +41,7 @@ public:
         out_.seed = settings_.seed;
         out_.channel = data_.channel;
         out_.unit = data_.unit;
-        if (!data_.free)
-            out_.drive = data_.drive;
-        out_.drivesLoad = data_.drivesLoad;
+        out_.drive = data_.drive;
         out_.table = data_.table;
         stage(0.0, "noise");
         try {
@@ -176,17 +174,6 @@ private:
     std::vector<Entry> entries_;                    ///< in the order of out_.effects
     std::map<std::size_t, Localisation> residuals_; ///< by index into hypotheses_
 };
-
-/// Recorded minus simulated force, N; not a number in rows that do not count.
-Eigen::VectorXd forceResidual(const Likelihood& likelihood, std::size_t run, const Response& simulated) {
-    const RawDifference d = likelihood.rawResidual(run, simulated);
-    Eigen::VectorXd left =
-        Eigen::VectorXd::Constant(likelihood.data().runs[run].force.size(), std::numeric_limits<double>::quiet_NaN());
-    for (Index k = 0; k < left.size() && d.rows.size() > 0; ++k)
-        if (likelihood.counts(run, k))
-            left[k] = d.rows[k];
-    return left;
-}
 
 /// All statistics are in units of the noise. Without a noise estimate the priors are the result.
 void Procedure::reportUnknownNoise() {

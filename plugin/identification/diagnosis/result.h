@@ -168,7 +168,6 @@ struct Diagnosis {
     }
     std::string channel = "force", unit = "N";    ///< channel and unit of everything given in N below
     std::optional<experiment::DriveAxis> drive{}; ///< empty: nothing is driven
-    bool drivesLoad = false;                      ///< a load is driven, not a displacement
     bool table = false;                           ///< runs are points read at rest; their clock is made up
     std::string failure;                          ///< why the experiment cannot be simulated; empty: it can
     bool stopped = false;                         ///< interrupted; simulations are kept

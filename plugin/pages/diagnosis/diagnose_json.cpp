@@ -23,13 +23,14 @@ Json finite(double v) {
 Json windowsOf(const diagnosis::Localisation& l, const Diagnosis& d) {
     static constexpr const char* kKinds[] = {"shift", "energy", "effect"}; // of diagnosis::StatisticKind
     Json all = Json::array();
-    const double factor = d.drivesLoad ? d.drive->perUnit : 1e3;
+    const bool load = d.drive && d.drive->isLoad;
+    const double factor = d.drive ? d.drive->perUnit : 1e3;
     for (const ResidualWindow& w : l.significant)
         all.push_back({{"run", w.run},
                        {"t_start_s", d.table ? Json(nullptr) : Json(w.timeFrom)},
                        {"t_end_s", d.table ? Json(nullptr) : Json(w.timeTo)},
-                       {d.drivesLoad ? "load_from" : "displacement_from_mm", factor * w.displacementFrom},
-                       {d.drivesLoad ? "load_to" : "displacement_to_mm", factor * w.displacementTo},
+                       {load ? "load_from" : "displacement_from_mm", factor * w.displacementFrom},
+                       {load ? "load_to" : "displacement_to_mm", factor * w.displacementTo},
                        {"phase", w.phase},
                        {"channel", w.channel},
                        {"z", w.z},

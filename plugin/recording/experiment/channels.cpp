@@ -64,8 +64,9 @@ std::string setChannel(const std::string& observe, const scene::Observation& obs
 }
 
 DriveAxis driveAxis(const Experiment& e) {
-    return drivesLoad(e) ? DriveAxis{e.scene->driveParameter, e.scene->driveUnit == "1" ? "" : e.scene->driveUnit, 1.0}
-                         : DriveAxis{};
+    return drivesLoad(e)
+               ? DriveAxis{e.scene->driveParameter, e.scene->driveUnit == "1" ? "" : e.scene->driveUnit, 1.0, true}
+               : DriveAxis{};
 }
 
 Result<Experiment> withFirstChannel(Experiment e, const std::string& observe) {

@@ -256,6 +256,7 @@ inline bool isTable(const Experiment& experiment) {
 struct DriveAxis {
     std::string name = "displacement", unit = "mm";
     double perUnit = 1e3; ///< per m, or 1
+    bool isLoad = false;
     [[nodiscard]] std::string label() const { return unit.empty() ? name : name + " (" + unit + ")"; }
     [[nodiscard]] std::string column() const { return unit.empty() ? name : name + "_" + unit; }
 };

@@ -1,16 +1,11 @@
 #include "supercircle/effects/laws/air.h"
 
+#include "supercircle/effects/laws/quadrature.h"
+#include "supercircle/support/trig.h"
+
 #include <cmath>
 
 namespace supercircle::effects {
-
-void listPoints(const rod::RodModel& rod, std::vector<rod::MaterialPoint>& points, std::vector<double>& weight) {
-    for (int e = 0; e < rod.elements(); ++e)
-        for (const double g : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {
-            points.push_back(rod::locate(rod, e, rod.nodeS(e) + g * rod.elementLength(e)));
-            weight.push_back(0.5 * rod.elementLength(e));
-        }
-}
 
 Air makeAir(const rod::RodModel& rod, const AirModel& model) {
     Air a;
@@ -18,6 +13,11 @@ Air makeAir(const rod::RodModel& rod, const AirModel& model) {
     if (model.on())
         listPoints(rod, a.points, a.weight);
     return a;
+}
+
+Vec2 normalAt(const rod::Kinematics& kin, const rod::MaterialPoint& at) {
+    const auto [sine, cosine] = math::sinCos(kin.angle(at));
+    return {-sine, cosine};
 }
 
 AirResponse airAt(const Air& a, std::size_t i, double speed) {

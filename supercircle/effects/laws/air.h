@@ -23,7 +23,7 @@ struct AirResponse {
 };
 AirResponse airAt(const Air& air, std::size_t point, double speed);
 
-/// Two points of equal weight for every element (Gauss), and the length of rod of each.
-void listPoints(const rod::RodModel& rod, std::vector<rod::MaterialPoint>& points, std::vector<double>& weight);
+/// Unit normal of the rod at a point.
+Vec2 normalAt(const rod::Kinematics& kin, const rod::MaterialPoint& at);
 
 } // namespace supercircle::effects

@@ -1,6 +1,6 @@
 #include "supercircle/effects/laws/drag.h"
 
-#include "supercircle/effects/laws/air.h"
+#include "supercircle/effects/laws/quadrature.h"
 
 #include <algorithm>
 #include <cmath>

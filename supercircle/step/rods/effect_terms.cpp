@@ -2,7 +2,6 @@
 
 #include "supercircle/rod/elasticity.h"
 #include "supercircle/support/invariants.h"
-#include "supercircle/support/trig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -120,12 +119,6 @@ void addDrag(const Rod& rod, double dt, RodWork& w) {
     }
 }
 
-/// Unit normal of a rod at a point.
-Vec2 normalAt(const rod::Kinematics& kin, const rod::MaterialPoint& at) {
-    const auto [s, c] = math::sinCos(kin.angle(at));
-    return {-s, c};
-}
-
 /// Air, linear in the speed about that of the prediction.
 void addAir(const Rod& rod, double dt, RodWork& w) {
     EffectWork& work = w.effects;
@@ -137,7 +130,7 @@ void addAir(const Rod& rod, double dt, RodWork& w) {
     for (std::size_t i = 0; i < air.points.size(); ++i) {
         auto& J = work.airRows[i];
         J.resize(2, rod.model.dofs());
-        const Vec2 normal = normalAt(w.kin, air.points[i]);
+        const Vec2 normal = effects::normalAt(w.kin, air.points[i]);
         w.kin.pointRows(rod.model, air.points[i], Vec2::Zero(), normal, rod::perp(normal), J);
         work.airSpeed[i] = J.row(0).dot(motion);
         work.air[i] = effects::airAt(air, i, work.airSpeed[i]);

@@ -4,7 +4,6 @@
 #include "supercircle/step/rods/hold_rows.h"
 #include "supercircle/step/rods/hold_springs.h"
 #include "supercircle/support/invariants.h"
-#include "supercircle/support/trig.h"
 
 #include <algorithm>
 
@@ -175,8 +174,7 @@ void FreeEquations::addPointRow(const rod::MaterialPoint& at, const Vec2& offset
 
 void FreeEquations::airRow(std::size_t point) {
     const rod::MaterialPoint& at = rod_.effects.air.points[point];
-    const auto [s, c] = math::sinCos(w_.kin.angle(at));
-    rowAlong(at, Vec2::Zero(), {-s, c});
+    rowAlong(at, Vec2::Zero(), effects::normalAt(w_.kin, at));
 }
 
 /// Of the speeds at the start of the step.

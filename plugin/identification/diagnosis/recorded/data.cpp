@@ -242,7 +242,8 @@ RecordedData recordedDataOf(const experiment::Experiment& e) {
     data.freeShells = data.free && !experiment::isMechanism(e);
     data.table = experiment::isTable(e);
     data.drivesLoad = experiment::drivesLoad(e);
-    data.drive = experiment::driveAxis(e);
+    if (!data.free)
+        data.drive = experiment::driveAxis(e);
     data.statedForceNoise = channel.perUnit * e.sensors.forceNoise;
     data.statedMarkerNoise = e.sensors.markerNoise;
     data.displacementNoise = e.sensors.displacementNoise;

@@ -202,6 +202,16 @@ double furtherRmse(const Likelihood& likelihood, std::size_t channel, const std:
 
 } // namespace
 
+Eigen::VectorXd forceResidual(const Likelihood& likelihood, std::size_t run, const Response& simulated) {
+    const RawDifference d = likelihood.rawResidual(run, simulated);
+    Eigen::VectorXd left =
+        Eigen::VectorXd::Constant(likelihood.data().runs[run].force.size(), std::numeric_limits<double>::quiet_NaN());
+    for (Eigen::Index k = 0; k < left.size() && d.rows.size() > 0; ++k)
+        if (likelihood.counts(run, k))
+            left[k] = d.rows[k];
+    return left;
+}
+
 std::vector<ChannelError> furtherErrorsOf(const Likelihood& likelihood, const FitResult& nominal,
                                           const FitResult* best) {
     std::vector<ChannelError> out;

@@ -30,6 +30,9 @@ std::vector<NominalResult> presentNominal(const Model& model, const FitResult& n
 std::vector<std::vector<double>> presentSimilarity(const Likelihood& likelihood, const FitResult& nominal,
                                                    const std::vector<const FitResult*>& fits);
 
+/// Recorded minus simulated force, N; not a number in rows that do not count.
+Eigen::VectorXd forceResidual(const Likelihood& likelihood, std::size_t run, const Response& simulated);
+
 /// Errors of channels beside the first one.
 std::vector<ChannelError> furtherErrorsOf(const Likelihood& likelihood, const FitResult& nominal,
                                           const FitResult* best);

@@ -20,7 +20,7 @@ bool readEffect(Context& context, const ArrayItem& place, const Scene& scene, ef
     if (index >= names.size())
         return false;
     const effects::Effect& effect = effects::catalog()[index];
-    if (effects::actsOnMechanisms(effect)) {
+    if (effects::actsOnMechanisms(effect) && !effects::actsOnShells(effect)) {
         context.error(*reader.find("key"), reader.pointerTo("key"),
                       effect.name + " acts on the rigid bodies of a free scene (replay, sensitivity, diagnose)",
                       "an effect on shells, contacts, apparatus or sensor");

@@ -60,3 +60,32 @@ TEST_CASE("every effect of the demonstration scene changes the force, and the en
             CHECK(change > s.least * peak);
     }
 }
+
+TEST_CASE("in a scene air acts on the shell that it is given to", "[lab]") {
+    // Level strips fall side by side: one through vacuum, one through air to v = V tanh(g t / V), V^2 = lambda g / b2.
+    const double line = 1270.0 * 0.01 * 0.002, last = 2.0, time = 0.5, g = 9.81; // kg/m, m/s, s
+    const std::string strip = R"("radius": "infinite", "length": 0.1, "thickness": 0.002, "elements": 8})";
+    const std::string text = R"({"schema": "supercircle-scene/1", "duration": 0.5, "numerics": {"quasi_static": false},
+        "shell": [{"name": "leaf", "position": {"x": 0, "y": 5}, )" +
+                             strip + R"(, {"name": "stone", "position": {"x": 1, "y": 5}, )" + strip +
+                             R"(], "effects": [{"key": "air_drag", "shell": "leaf", "quadratic_N_s2_m3": )" +
+                             std::to_string(line * g / (last * last)) + "}]}";
+    std::vector<scene::Problem> problems;
+    const auto made = scene::loadText(text, "leaf.json", {}, problems);
+    INFO(made.error());
+    REQUIRE(made);
+    const record::Recording r = simulate(*made).recording;
+    const auto fallOf = [&](std::size_t shell) {
+        return r.frames.front().shells[shell].start[1] - r.frames.back().shells[shell].start[1];
+    };
+    CHECK(r.frames.back().time == Approx(time));
+    // Steps are chosen for an error of the position, places are recorded in single precision: 0.2 %.
+    CHECK(fallOf(0) == Approx(last * last / g * std::log(std::cosh(g * time / last))).epsilon(2e-3));
+    CHECK(fallOf(1) == Approx(0.5 * g * time * time).epsilon(2e-3));
+    checkInvariants(r);
+    // Friction of bearings has nothing to act on in a scene that is played.
+    const auto refused = scene::loadText(R"({"schema": "supercircle-scene/1", "duration": 1, "shell": [{"name": "a"}],
+        "effects": [{"key": "bearing_friction", "torque_N_m": 1}]})",
+                                         "bearing.json", {}, problems);
+    CHECK(refused.error().find("rigid bodies") != std::string::npos);
+}

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks how the documents and the sources are written (docs/contributing.md, docs/glossary.csv).
 
-    check_documents.py [--table] [FILES...]   documents: sentences, paragraphs, links, diary words, glossary
+    check_documents.py [--table] [FILES...]   documents: sentences, paragraphs, links, diary words, glossary, places that
+                                              the tables of docs/contributing.md and docs/architecture.md name
     check_documents.py --code [FILES...]      sources: glossary words in names and comments, dates and seeds in comments,
                                               long comments at the top of a file
 
@@ -11,6 +12,8 @@ one word; a sentence ends at `. ! ?`, at a blank line, at a list item.
 """
 import argparse
 import csv
+import fnmatch
+import functools
 import pathlib
 import re
 import sys
@@ -303,6 +306,36 @@ def checkLinks(path, document):
                 yield number, f"broken link: no heading \"#{anchor}\" in {relative(goal)}"
 
 
+@functools.lru_cache(maxsize=None)
+def places():
+    """Files and folders of the project, from its root; folders end in "/"."""
+    found = [p for folder in CODE_FOLDERS + ["docs"] for p in (ROOT / folder).rglob("*")] + list(ROOT.iterdir())
+    return [relative(p) + ("/" if p.is_dir() else "") for p in found]
+
+
+def isPlace(name, under=""):
+    """Whether a path, a file's name or a folder with "/" at its end exists; `*` stands for any characters."""
+    exact = "/" in name.rstrip("/") and not name.startswith("<") and not under
+    name = name.strip("<>")
+    return any(fnmatch.fnmatchcase(place.rstrip("/") if exact else "/" + place, name.rstrip("/") if exact else "*/" + name)
+               for place in places() if place.startswith(under))
+
+
+def checkPlaces(name, document):
+    """What a table answers to "where is ...?" exists."""
+    under = ""
+    for number, row in document.tables:
+        heading = re.match(r"\|\s*\*\*(\w+/)\*\*", row)
+        under = heading.group(1) if heading else under
+        for code in re.findall(r"`([^`\s]+)[^`]*`", row):
+            if name == "docs/contributing.md":
+                asked = re.fullmatch(r"<?[\w./*-]+>?", code) and ("/" in code or pathlib.PurePath(code).suffix in CODE_SUFFIXES)
+                if asked and not isPlace(code.removeprefix("./")):
+                    yield number, f"there is no {code}"
+            elif name == "docs/architecture.md" and under and code.endswith("/") and not isPlace(code, under):
+                yield number, f"there is no {code} in {under}"
+
+
 def checkWords(name, document, glossary):
     log = name == "CHANGELOG.md"
     prose = [(start + i, line) for start, block in document.blocks for i, line in enumerate(plain(block).split("\n"))]
@@ -346,7 +379,7 @@ def checkDocuments(paths, glossary, table, whole):
     for path in paths:
         name = relative(path)
         document = Document(path.read_text(encoding="utf-8"))
-        found = list(checkLinks(path, document))
+        found = list(checkLinks(path, document)) + list(checkPlaces(name, document))
         if not name.startswith("docs/decisions/"):
             sentences = sentencesOf(document)
             lengths = sorted(len(words) for _, words in sentences)

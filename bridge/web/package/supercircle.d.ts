@@ -3,17 +3,19 @@
 
 /** x and y. */
 export type Point = [number, number];
+/** What is taken for a point. */
 export type PointLike = readonly [number, number] | Float64Array | { x: number; y: number };
 /** Points, or x and y in turn. */
 export type Points = readonly PointLike[] | Float64Array | null;
 /** One number for all elements, or one each. */
 export type Numbers = number | ArrayLike<number> | null;
+/** A part of a world, or the number that stands for it; null: none. */
 export type Handle = bigint | { readonly id: bigint } | null;
 /** A scene as an object or as JSON text; a page or program reads its file itself. */
 export type SceneSource = object | string;
 
-/** What a compiled module may come from; left out: supercircle.wasm beside the package. */
 type Compilable = ArrayBuffer | ArrayBufferView | Global<"Response"> | (typeof globalThis extends { WebAssembly: { Module: { prototype: infer T } } } ? T : never);
+/** What a module may come from: bytes, a Response, a WebAssembly.Module, or a promise of one; left out: the file beside the package. */
 export type Source = Compilable | Promise<Compilable> | null;
 /** The library on an instance of supercircle.wasm. */
 export function load(source?: Source): Promise<Supercircle>;
@@ -22,9 +24,11 @@ export function load(source?: Source): Promise<Supercircle>;
 export type Content = { [path: string]: string | Uint8Array };
 /** A request as docs/reference/lab_requests.md describes it. */
 export interface LabRequest {
+  /** The files that the request names. */
   content?: Content;
   [key: string]: unknown;
 }
+/** The laboratory: a request in, an answer out, as the program's import, replay and diagnose. */
 export interface Lab {
   /** Reads exports of testing machines as an experiment: account, and files with experiment.json. */
   import(request: LabRequest): { status: string; account: string; assumed: string[]; missing: string[]; files: { [name: string]: string }; [key: string]: unknown };
@@ -35,12 +39,19 @@ export interface Lab {
 }
 /** Readings of a run and channel, in its unit; null: missing. */
 export interface ReplayedCurve {
+  /** Name of the run. */
   run: string;
+  /** What was recorded, such as force_N. */
   channel: string;
+  /** Of recorded and simulated readings. */
   unit: string;
+  /** Since the beginning of the run. */
   time_s: (number | null)[];
+  /** Of the crosshead. */
   displacement_m: (number | null)[];
+  /** By the machine. */
   recorded: (number | null)[];
+  /** At the same moments. */
   simulated: (number | null)[];
 }
 /**
@@ -51,8 +62,11 @@ export function loadLab(source?: Source | URL, progress?: ((fraction: number, st
 
 /** What a page draws: operations with their numbers and texts, in pixels (docs/reference/picture.md). */
 export interface Picture {
+  /** Kind and count of numbers of each operation. */
   operations: Int32Array;
+  /** Of all operations, one after the other. */
   numbers: Float32Array;
+  /** Of all operations, one after the other. */
   texts: string;
 }
 type Global<Name extends string> = typeof globalThis extends { [name in Name]: { prototype: infer T } } ? T : never;
@@ -61,31 +75,35 @@ export function drawPicture(context: Global<"CanvasRenderingContext2D">, operati
 
 /** A refused call; it has changed nothing. */
 export class SupercircleError extends Error {
+  /** Why it was refused. */
   readonly kind: "bad_input" | "stale" | "busy" | "refused" | "failed" | "out_of_memory" | "wrong_version";
-  /** SC_BAD_INPUT ... */
+  /** The same as a number: SC_BAD_INPUT ... */
   readonly status: number;
   /** The Frame of a failed step. */
   readonly result?: unknown;
 }
 
+/** The library that `load` gives. */
 export interface Supercircle {
   /** Such as "0.2.0". */
   readonly version: string;
   readonly World: {
+    /** An empty world. */
     new (options?: WorldOptions): World;
     /** A world with the gravity and Box2D units that a scene wants. */
     forScene(scene: SceneSource, settings?: WorldOptions): World;
   };
   /** Problems of a scene; [] if it is valid and there is nothing to remark. */
   checkScene(scene: SceneSource, file?: string): Problem[];
-  /** The catalogue of effects. */
+  /** The catalogue of effects, for setEffect. */
   effects(): EffectInfo[];
   /** For games: a shell of radius (m) and mass (kg) that sags, rolls and snaps as the paper's does, for createShell. */
-  scaledShell(radius: number, mass: number, options?: { opening?: number; stiffness?: number }): ShellDef;
+  scaledShell(radius: number, mass: number, options?: { /** opening angle / 2 pi, 0.75 */ opening?: number; /** times the paper's bending stiffness, 1 */ stiffness?: number }): ShellDef;
   /** Samples of World.sound as a WAV file: mono, 48000 a second. */
   wav(samples: Float32Array): Uint8Array;
   /** The C interface, call by call. */
   readonly calls: Calls;
+  /** Of the C interface, such as SC_BODY_DYNAMIC. */
   readonly constants: Constants;
   /** For `instanceof`. */
   readonly Scene: abstract new (...given: never[]) => Scene;
@@ -98,23 +116,29 @@ export interface Supercircle {
   readonly Zone: abstract new (...given: never[]) => Zone;
 }
 
+/** Of a new world; left out: earth's gravity, laboratory quality, metres. */
 export interface WorldOptions {
-  /** m/s^2 */
+  /** Acceleration of everything, m/s^2. */
   gravity?: PointLike;
   /** "laboratory": every step as short as its error bound asks for; "game": steps of up to a frame. */
   quality?: Quality;
   /** Box2D length units per metre; about 50 for bodies of some centimetres. */
   unitsPerMetre?: number;
+  /** Of Box2D, 8. */
   velocityIterations?: number;
+  /** Of Box2D, 3. */
   positionIterations?: number;
 }
+/** How exactly shells are simulated: "laboratory" for measurements, "game" for frames in time. */
 export type Quality = "laboratory" | "game";
 
 /** Shells and rigid bodies (Box2D inside). dispose() ends it; a world that is forgotten ends when it is collected. */
 export interface World {
-  /** 0n: ended. */
+  /** Its handle; 0n once it has ended. */
   readonly id: bigint;
+  /** Whether it still exists. */
   readonly valid: boolean;
+  /** Ends the world with all that is in it. */
   dispose(): void;
   /** Any call of the C interface whose first argument is the world. */
   with(name: keyof Calls, ...given: unknown[]): unknown;
@@ -123,30 +147,33 @@ export interface World {
   step(dt?: number): Frame;
   /** Simulated time, s. */
   readonly time: number;
-  /** Of the shells' state; equal states have equal hashes on every machine. */
+  /** Hash of the shells' state; equal states have equal hashes on every machine. */
   readonly hash: bigint;
   /** Energy balance of the shells. */
   readonly energy: Energy;
   /** Texts of the last step. */
   readonly report: { failure: string; why: string; refused: string; note: string };
-  /** Of the last step, in the order of time. */
+  /** What happened in the last step, in the order of time. */
   events(): WorldEvent[];
 
-  /** m/s^2 */
+  /** Acceleration of everything, m/s^2. */
   get gravity(): Point;
   set gravity(value: PointLike);
-  /** Setting it resets the numerics. */
+  /** "laboratory" or "game"; setting it resets the numerics. */
   quality: Quality;
   /** Work a step, about 1 us of a core each; 0: no limit. Game quality only. */
   setFrameBudget(work: number): void;
   /** What becomes of crushed shells. */
   setCrushPolicy(policy: "wait" | "stop" | "freeze"): void;
+  /** Whether quarantined shells move again. */
   readonly recovery: Recovery;
   /** What becomes of quarantined shells. */
   setRecovery(recovery: Partial<Recovery>): void;
+  /** The present settings of sleep. */
   readonly sleep: Sleep;
   /** When shells at rest fall asleep. */
   setSleep(sleep: Partial<Sleep>): void;
+  /** The present thresholds of events. */
   readonly eventSettings: EventSettings;
   /** What counts as an impulse or a snap. */
   setEventSettings(settings: Partial<EventSettings>): void;
@@ -185,7 +212,7 @@ export interface World {
 
   /** The crosshead carries that kinematic body, and holds with base "moving". */
   attachCrosshead(body: string): void;
-  /** m/s */
+  /** Velocity of the crosshead, m/s. */
   setCrossheadVelocity(velocity: PointLike): void;
   /** Force of the shells on the crosshead in the last step, N. */
   readonly crossheadForce: Point;
@@ -212,6 +239,7 @@ export interface World {
   startLog(seed?: number | bigint): void;
   /** The calls since startLog; goes on recording. */
   readLog(): Uint8Array;
+  /** Ends the recording. */
   stopLog(): void;
   /** Repeats the calls of a log in a world with the bodies of its start. */
   replayLog(log: Uint8Array): void;
@@ -228,16 +256,20 @@ export interface World {
   svg(options?: ViewOptions): string;
 }
 
+/** What a picture shows; left out: everything, and it fits. */
 export type ViewOptions = Omit<Partial<View>, "layers" | "centre"> & {
   /** Such as "bodies shells", of bodies, shells, strain, contacts, forces, holds, snaps; left out: all. */
   layers?: string | readonly string[];
+  /** Of the picture, m. */
   centre?: PointLike;
 };
+/** A shell; what is left out is as in the paper. */
 export type ShellDefinition = Omit<Partial<ShellDef>, "position" | "velocity"> & {
+  /** By which findShell finds it. */
   name?: string;
   /** Of the middle of the shell, m. */
   position?: PointLike;
-  /** m/s */
+  /** Of all its points, m/s. */
   velocity?: PointLike;
   /** 1/m; left out: 1 / radius */
   naturalCurvature?: Numbers;
@@ -247,6 +279,7 @@ export type ShellDefinition = Omit<Partial<ShellDef>, "position" | "velocity"> &
 
 /** One of box, circle, polygon and line. */
 export type BodyDefinition = Omit<Partial<BodyDef>, "type" | "shape" | "width" | "height" | "radius" | "position" | "velocity"> & {
+  /** By which findBody finds it. */
   name?: string;
   /** "dynamic" if left out. */
   type?: "static" | "kinematic" | "dynamic";
@@ -266,32 +299,41 @@ export type BodyDefinition = Omit<Partial<BodyDef>, "type" | "shape" | "width" |
 
 /** A scene that is played in a world. */
 export interface Scene {
+  /** In which it is played. */
   readonly world: World;
+  /** Its handle. */
   readonly id: bigint;
   /** Advances the scene and its world by at most `dt` (s). */
   step(dt?: number): Frame;
-  /** The end of its protocol or duration, or a failure. */
+  /** Whether it reached the end of its protocol or duration, or failed. */
   readonly finished: boolean;
-  /** "drop 7", "settle", "approach", "load 1", "unload 1", "hold", "free", "done". */
+  /** What its protocol does: "drop 7", "settle", "approach", "load 1", "unload 1", "hold", "free", "done". */
   readonly phase: string;
+  /** Of the scene. */
   readonly name: string;
+  /** Values in use, with bounds, unit and meaning. */
   readonly parameters: { name: string; value: number; min: number | null; max: number | null; unit: string; about: string }[];
   /** Its shells in the order of creation. */
   readonly shells: Shell[];
-  /** Of the crosshead along its direction, m. */
+  /** Displacement of the crosshead along its direction, m. */
   readonly travel: number;
-  /** On the crosshead, N; positive while the specimen resists. */
+  /** Force on the crosshead, N; positive while the specimen resists. */
   readonly force: number;
+  /** Whether it still exists. */
   readonly valid: boolean;
   /** Ends the scene; its bodies and shells stay. */
   destroy(): void;
+  /** Ends it if it still exists. */
   dispose(): void;
 }
 
 /** Something in a world. */
 export interface Part {
+  /** In which it is. */
   readonly world: World;
+  /** Its handle: a key for maps. */
   readonly id: bigint;
+  /** Such as "shell". */
   readonly kind: string;
   /** Whether it still exists. */
   readonly valid: boolean;
@@ -305,6 +347,7 @@ export interface Part {
 
 /** A flexible shell. Places on it are arc fractions from 0 to 1; 0.5 is the middle. */
 export interface Shell extends Part {
+  /** Its name; may be set. */
   name: string;
   /** Mass, centre, momentum, energies, strain and box. */
   readonly state: ShellState;
@@ -323,14 +366,15 @@ export interface Shell extends Part {
   teleport(position: PointLike, angle?: number): void;
   /** Velocity of the middle (m/s) and spin (rad/s) of a rigid motion. */
   setVelocity(velocity: PointLike, spin?: number): void;
-  /** What is not given stays. */
+  /** Friction, stiffness, density, damping; what is not given stays. */
   setMaterial(change: Partial<Material>): void;
-  /** 1/m, one number for all elements or one each. */
+  /** Curvature at rest, 1/m: one number for all elements or one each. */
   setNaturalCurvature(curvature: Numbers): void;
-  /** 0: none. World.setFriction gives the coefficient of two materials. */
+  /** A number of yours; 0: none. World.setFriction gives the coefficient of two materials. */
   setFrictionMaterial(material: number): void;
+  /** Which other shells and bodies it meets. */
   readonly filter: Filter;
-  /** As in Box2D, 16 bits each. */
+  /** Category, mask and group as in Box2D, 16 bits each. */
   setFilter(filter: Partial<Filter>): void;
   /** Wakes its island, or puts it to sleep. */
   setAwake(awake?: boolean): void;
@@ -346,6 +390,7 @@ export interface Shell extends Part {
   set effects(effects: object[] | string);
   /** Switches an effect on or changes it: shell.setEffect("planar_drag", { f_N_m: 0.2 }). */
   setEffect(key: string, values?: Record<string, number | string>): void;
+  /** Switches an effect off. */
   removeEffect(key: string): void;
   /** Holds a place where it is: a clamp also its angle; a "moving" base goes with the crosshead. */
   hold(arc?: number, options?: { kind?: "pin" | "clamp"; base?: "fixed" | "moving" }): Hold;
@@ -359,7 +404,9 @@ export interface Shell extends Part {
   closestPoint(to: PointLike): HitPoint;
 }
 
+/** How two places are joined. */
 export interface JoinOptions {
+  /** "pin" turns freely, "weld" does not, "tether" is a rope. */
   kind?: "pin" | "weld" | "tether";
   /** Place on this shell. */
   arc?: number;
@@ -369,17 +416,19 @@ export interface JoinOptions {
   point?: PointLike;
   /** Of a tether, m; 0: the present distance. */
   length?: number;
+  /** Whether the two collide with each other. */
   collideConnected?: boolean;
 }
 
 /** A place of a shell that is fixed or driven. */
 export interface Hold extends Part {
+  /** Where it is to be at the end of the coming step. */
   readonly target: Target;
   /** Position (m) and angle (rad, clamps only) at the end of the coming step; velocity (m/s) and spin (rad/s) then. */
   setTarget(position: PointLike, options?: { angle?: number; velocity?: PointLike; spin?: number }): void;
   /** Force (N) and torque (N m) on the shell, mean over the last step. */
   readonly reaction: Reaction;
-  /** Largest force, N; 0: any. A hold that needed more breaks. */
+  /** Sets the largest force, N; 0: any. A hold that needed more breaks. */
   setMaxForce(force: number): void;
 }
 
@@ -387,6 +436,7 @@ export interface Hold extends Part {
 export interface Joint extends Part {
   /** Of a tether to the world: where it is tied to. */
   readonly target: Target;
+  /** Of a tether to the world: its other end moves there (m), with that velocity (m/s). */
   setTarget(position: PointLike, options?: { velocity?: PointLike }): void;
   /** Present length of a tether, m. */
   readonly length: number;
@@ -394,12 +444,13 @@ export interface Joint extends Part {
   setMaxLength(length: number, rate: number): void;
   /** Force (N) and torque (N m) on the shell, mean over the last step. */
   readonly reaction: Reaction;
-  /** Largest force, N; 0: any. A joint that needed more breaks. */
+  /** Sets the largest force, N; 0: any. A joint that needed more breaks. */
   setMaxForce(force: number): void;
 }
 
 /** A soft spring from a shell or body to a target. */
 export interface MouseJoint extends Part {
+  /** The target moves to a point (m). */
   move(target: PointLike): void;
   /** Of a grabbed body: force (N) on it, mean over the last step. */
   readonly reaction: Reaction;
@@ -407,12 +458,13 @@ export interface MouseJoint extends Part {
 
 /** A lasting force on a shell. */
 export interface Force extends Part {
-  /** N and N m. */
+  /** Changes force (N) and torque (N m). */
   set(force: PointLike, torque?: number): void;
 }
 
 /** A rigid body of Box2D. World.add makes bodies from scene JSON. */
 export interface Body extends Part {
+  /** Motion, mass and type. */
   readonly state: BodyState;
   /** Position of the centre of mass (m) and angle (rad). */
   setPose(centre: PointLike, angle?: number): void;
@@ -422,7 +474,7 @@ export interface Body extends Part {
   applyImpulse(impulse: PointLike, at: PointLike): void;
   /** Outline of each fixture in the world, m, x and y in turn; a chain is open. Circles have 32 points. */
   outlines(): Float64Array[];
-  /** 0: none. World.setFriction gives the coefficient of two materials. */
+  /** A number of yours; 0: none. World.setFriction gives the coefficient of two materials. */
   setFrictionMaterial(material: number): void;
   /** A conveyor: speed (m/s) of the surface of a fixture, or of all (-1). */
   setSurfaceSpeed(speed: number, fixture?: number): void;
@@ -435,35 +487,58 @@ export interface Zone extends Part {
 }
 
 /** A point on a shell that a query has found. */
-export type HitPoint = Omit<Hit, "shell" | "arcFraction"> & { shell: Shell; arc: number };
+export type HitPoint = Omit<Hit, "shell" | "arcFraction"> & {
+  /** The shell that was found. */
+  shell: Shell;
+  /** Arc fraction of the closest point of its centre line. */
+  arc: number;
+};
 /** Something that happened in the last step; what its kind does not have is null or 0. */
 export type WorldEvent = Omit<Event, "kind" | "a" | "b" | "body" | "zone" | "hold" | "joint"> & {
+  /** What happened. */
   kind: "contact_begin" | "contact_end" | "impulse" | "snap_begin" | "snap_end" | "quarantined" | "crushed" | "broke" | "overlap" | "hold_blocked" | "zone_enter" | "zone_leave";
+  /** The shell that it happened to. */
   a: Shell | null;
-  /** null where the other is a body */
+  /** The other shell; null where the other is a body. */
   b: Shell | null;
+  /** The other body. */
   body: Body | null;
+  /** Of zone_enter and zone_leave. */
   zone: Zone | null;
+  /** Of broke and hold_blocked. */
   hold: Hold | null;
+  /** Of broke. */
   joint: Joint | null;
 };
 /** What is wrong or odd in a scene. Line and column count from 1; 0: it has no place. */
 export interface Problem {
+  /** From 1. */
   line: number;
+  /** From 1. */
   column: number;
+  /** JSON pointer of the place. */
   pointer: string;
+  /** What is wrong. */
   what: string;
+  /** What could stand there. */
   expected: string;
+  /** The known name that was perhaps meant. */
   nearest: string;
   /** Whether it is only a remark. */
   note: boolean;
   /** All in one sentence. */
   text: string;
 }
+/** An entry of the catalogue of effects. */
 export interface EffectInfo {
+  /** For setEffect. */
   key: string;
+  /** material, load, contact, apparatus or sensor. */
   slot: string;
+  /** In words. */
   about: string;
+  /** Its formula. */
   law: string;
+  /** Name, unit, bounds and default of each. */
   parameters: Record<string, unknown>[];
 }

@@ -28,4 +28,4 @@ if [ -e "$top/build/web/package/supercircle.wasm" ]; then
 fi
 "$python" "$top/docs/site/build_site.py" --out "$directory" "${options[@]}"
 echo "Site: $directory/index.html"
-[ ! -e "$directory/play/index.html" ] || echo "Live scenes: $directory/play/index.html"
+[ -e "$directory/play/index.html" ] || echo "Without live scenes: bridge/web/build.sh makes their module"

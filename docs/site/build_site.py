@@ -3,7 +3,8 @@
     build_site.py --out FOLDER [--reference FOLDER] [--play FILE]
 
     --reference: HTML of Doxygen, copied to reference/cpp
-    --play: the page with the live scenes, copied to play/index.html with recording_module.js beside it
+    --play: the page with the live scenes. It becomes index.html and play/index.html, each with recording_module.js beside
+            it, and gets links into the site. The README is about.html; without --play it is index.html, too.
 """
 
 import argparse
@@ -15,11 +16,13 @@ import urllib.parse
 
 import markdown
 
+import check_site
+
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-DOORS = [("Play", "play/index.html"), ("Documents", "documents.html"), ("Learn", "documents.html#learn"), ("Do", "documents.html#do"),
+DOORS = [("Play", "index.html"), ("About", "about.html"), ("Documents", "documents.html"), ("Learn", "documents.html#learn"), ("Do", "documents.html#do"),
          ("Look up", "documents.html#look-up"), ("Understand", "documents.html#understand"), ("Results", "documents.html#results")]
-PAGES = [("docs/index.md", "documents.html"), ("README.md", "index.html"), ("CHANGELOG.md", "changelog.html"),
+PAGES = [("docs/index.md", "documents.html"), ("README.md", "about.html"), ("CHANGELOG.md", "changelog.html"),
          ("docs/glossary.md", "glossary.html"), ("docs/architecture.md", "architecture.html"), ("docs/contributing.md", "contributing.html")]
 FOLDERS = ["tutorials", "how-to", "reference", "theory", "results", "decisions"]
 
@@ -86,39 +89,25 @@ class Site:
     def write(self, source: pathlib.Path, place: str) -> None:
         body = self.body(source, place)
         title = re.sub("<.*?>", "", (re.search(r"<h1[^>]*>(.*?)</h1>", body, re.S) or re.match("(Supercircle)", "Supercircle")).group(1))
-        doors = [(name, where) for name, where in DOORS if self.has["play"] or not where.startswith("play/")]
+        doors = [(name, where) for name, where in DOORS if self.has["play"] or where != "index.html"]
         if self.has["reference"]:
             doors.append(("C++ reference", "reference/cpp/index.html"))
         menu = "".join(f'<li><a href="{relative(place, where)}">{name}</a></li>' for name, where in doors)
-        if place == "index.html" and self.has["play"]:
-            body = '<p class="banner"><a href="play/index.html">Play with shells in this browser: nothing to install</a></p>' + body
         values = {"title": title, "menu": menu, "body": body, "home": relative(place, "index.html"),
                   "css": relative(place, "site.css")}
         path = self.out / place
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(re.sub(r"\{\{(\w+)\}\}", lambda m: values[m.group(1)], self.template))
 
-    def check(self) -> None:
-        """Every link leads somewhere inside the site, and nothing is loaded from elsewhere."""
-        anchors: dict[pathlib.Path, set[str]] = {}
-        for path in sorted(self.out.rglob("*.html")):
-            if (self.out / "reference/cpp") in path.parents or (self.out / "play") in path.parents:
-                continue
-            text = path.read_text()
-            for kind, target in re.findall(r'<(?:a|img|script|link|source|iframe)[^>]*?\s(href|src)="([^"]*)"', text):
-                parts = urllib.parse.urlsplit(html.unescape(target))
-                if parts.scheme:
-                    if kind == "src":
-                        self.broken.append(f"{path.relative_to(self.out)} loads {target}")
-                    continue
-                other = (path.parent / urllib.parse.unquote(parts.path)).resolve() if parts.path else path
-                if not other.is_file():
-                    self.broken.append(f"{path.relative_to(self.out)}: {target}")
-                elif parts.fragment and other.suffix == ".html" and (self.out / "reference/cpp") not in other.parents:
-                    if other not in anchors:
-                        anchors[other] = set(re.findall(r'\sid="([^"]*)"', other.read_text()))
-                    if parts.fragment not in anchors[other]:
-                        self.broken.append(f"{path.relative_to(self.out)}: {target}: no such heading")
+    def play(self, page: pathlib.Path) -> None:
+        """The live page in front, and where older links expect it. Where it is part of a site it leads to documents."""
+        text = page.read_text()
+        for place in ("index.html", "play/index.html"):
+            folder = (self.out / place).parent
+            folder.mkdir(exist_ok=True)
+            linked = re.sub(r'<a data-site="([^"]*)"', lambda m: f'<a href="{relative(place, m.group(1))}"', text)
+            (self.out / place).write_text(linked)
+            shutil.copy(page.parent / "recording_module.js", folder)
 
 
 def slug(value: str, separator: str) -> str:
@@ -139,17 +128,17 @@ def main() -> int:
     shutil.copyfile(HERE / "site.css", out / "site.css")
     if arguments.reference:
         shutil.copytree(arguments.reference, out / "reference/cpp")
-    if arguments.play:
-        (out / "play").mkdir()
-        shutil.copyfile(arguments.play, out / "play/index.html")
-        shutil.copy(arguments.play.parent / "recording_module.js", out / "play")
     for source, place in site.pages.items():
         site.write(source, place)
-    site.check()
-    for line in site.broken:
+    if arguments.play:
+        site.play(arguments.play)
+    else:
+        site.write(ROOT / "README.md", "index.html")
+    broken = site.broken + check_site.faults(out)
+    for line in broken:
         print(f"broken: {line}")
     print(f"{len(site.pages)} pages in {out}")
-    return 1 if site.broken else 0
+    return 1 if broken else 0
 
 
 if __name__ == "__main__":

@@ -158,6 +158,15 @@ async function hanging() {
 
 async function recordings() {
   const page = await open(wide);
+  // Verdicts are the program's sentences, and no word of a code is shown.
+  const verdict = fs.readFileSync(new URL("../../plugin/identification/diagnosis/result/verdict.cpp", import.meta.url), "utf8");
+  for (const key of ["adequate", "identified", "ambiguous", "outside_catalogue", "inconclusive"]) {
+    const shown = await page.evaluate((v) => play.diagnosisWords({ verdict: v, statement: "It is so.", effects: [{ label: "planar_drag", probability: 0.876 }] }), key);
+    assert.ok(verdict.includes(`"${shown.title}"`), shown.title);
+    assert.deepEqual(shown.lines, ["It is so.", "planar drag: probability 0.88"]);
+  }
+  const wrong = await page.evaluate(() => play.diagnosisWords({ verdict: "identified", statement: "A stated number is wrong: friction is 0.3.", effects: [] }));
+  assert.ok(wrong.title === "A stated number is wrong" && verdict.includes(`"${wrong.title}"`));
   const status = (start) => page.waitForFunction((s) => document.getElementById("recording-status").textContent.startsWith(s), start, { timeout: patience });
   await page.click("#tab-recording");
   await page.click("#example");

@@ -139,4 +139,5 @@ async function begin() {
 // For tests and the curious.
 globalThis.play = {
   state, load, scenes, texts, goals, pad, onFrame: null, ask: (message) => engine.ask(message), handle: () => toScreen(...handlePlace()),
+  diagnosisWords,
 };

@@ -1,6 +1,25 @@
 // The tab "Recording": a file of a testing machine, what import understood of it, and the simulation of that test beside
 // it. The laboratory is a second module, which arrives when the tab is first used.
 
+/** Verdicts as sentences, those of verdictTitle in plugin/identification/diagnosis/result/verdict.cpp. */
+const verdicts = {
+  adequate: "The simulation is adequate",
+  identified: "A missing effect is identified",
+  ambiguous: "An effect is missing, but these runs do not decide which",
+  outside_catalogue: "An effect outside the catalogue is missing",
+  inconclusive: "These runs are inconclusive",
+};
+const wrongNumber = "A stated number is wrong"; // a title that diagnosis.json tells by its statement alone
+
+/** What is shown of a diagnosis: {title, lines}. */
+function diagnosisWords(d) {
+  const plain = (label) => label.replaceAll("_", " ");
+  return {
+    title: d.statement.startsWith(wrongNumber) ? wrongNumber : verdicts[d.verdict],
+    lines: [d.statement, ...(d.effects ?? []).slice(0, 3).map((e) => `${plain(e.label)}: probability ${e.probability.toFixed(2)}`)],
+  };
+}
+
 class Laboratory {
   constructor(onProgress) {
     this.onProgress = onProgress;
@@ -256,11 +275,10 @@ const recording = (() => {
     const found = await ask("diagnose", { file: "experiment.json", content: files, next_experiment: false });
     if (!found)
       return;
-    const d = found.diagnosis;
-    const lines = [d.statement, ...(d.effects ?? []).slice(0, 3).map((e) => `${e.label.replaceAll("_", " ")}: probability ${e.probability.toFixed(2)}`)];
+    const { title, lines } = diagnosisWords(found.diagnosis);
     $("verdict").replaceChildren(...lines.map((text) => Object.assign(document.createElement("p"), { textContent: text })));
-    status(`Diagnosed in ${((performance.now() - begun) / 1000).toFixed(0)} s: ${d.verdict.replaceAll("_", " ")}`);
-    say(d.statement);
+    status(`${title}. Diagnosed in ${((performance.now() - begun) / 1000).toFixed(0)} s.`);
+    say(lines[0]);
   }
 
   async function take(list) {

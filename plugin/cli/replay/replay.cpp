@@ -5,6 +5,7 @@
 #include "plugin/cli/replay/taken_fit.h"
 #include "plugin/cli/subcommands.h"
 #include "plugin/identification/diagnosis/own_law.h"
+#include "plugin/identification/diagnosis/result.h"
 #include "plugin/identification/replay/free_scales.h"
 #include "plugin/pages/replay/replay_page.h"
 
@@ -159,16 +160,17 @@ void print(const Replay& replay, const std::string& folder) {
     }
     if (replay.taken && replay.taken->carried) {
         const TakenFit& t = *replay.taken;
+        const std::string label = diagnosis::plainWords(t.label);
         for (const std::string& note : t.notes)
             std::printf("%s\n", note.c_str());
         if (t.score)
             std::printf(
                 "%s, carried: with the stated numbers fitted, the held-out error is %.3g %s without the law and "
                 "%.3g %s with it (gain %.1f +- %.1f)\n",
-                t.label.c_str(), t.score->heldOutWithout, unit, t.score->heldOutWith, unit, t.score->gain,
+                label.c_str(), t.score->heldOutWithout, unit, t.score->heldOutWith, unit, t.score->gain,
                 t.score->gainError);
         else
-            std::printf("%s, carried: no score, %s\n", t.label.c_str(), t.failure.c_str());
+            std::printf("%s, carried: no score, %s\n", label.c_str(), t.failure.c_str());
     }
     std::printf("results: %s/replay.json, run files; pictures: %s/replay.html\n", folder.c_str(), folder.c_str());
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes docs/pictures/proof_1_reliability.svg from docs/results/proof/proof_1.csv."""
+"""Writes docs/pictures/SET_reliability.svg from docs/results/proof/SET.csv, of every set of ./prove.sh."""
 
+import glob
 import os
 import sys
 
@@ -25,8 +26,8 @@ def points(rows):
                    sum(r["hidden"] in r["group"].split("|") for r in of), len(of))
 
 
-def main():
-    _, rows = print_page.read(os.path.join(HERE, "proof", "proof_1.csv"))
+def draw(table):
+    _, rows = print_page.read(table)
     out = axes.frame("share of cases in which its group holds the hidden effect")
     for said, hits, n in points(rows):
         low, high = scoring.wilson(hits, n)
@@ -39,7 +40,12 @@ def main():
     for words in ("bar: 90 % interval", "dashed: calibrated"):
         out.append(axes.text(axes.x_of(1) + 19, y, words, "start"))
         y += 20
-    axes.write("proof_1_reliability.svg", out, 160)
+    axes.write(os.path.basename(table)[:-len(".csv")] + "_reliability.svg", out, 160)
+
+
+def main():
+    for table in sorted(glob.glob(os.path.join(HERE, "proof", "proof_[0-9].csv"))):
+        draw(table)
 
 
 if __name__ == "__main__":

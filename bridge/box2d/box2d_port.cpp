@@ -8,6 +8,7 @@
 #include "bridge/box2d/body_registry.h"
 #include "bridge/box2d/build.h"
 #include "bridge/box2d/constraints.h"
+#include "bridge/box2d/foreseen_bodies.h"
 #include "bridge/box2d/outline_query.h"
 #include "bridge/box2d/outlines.h"
 #include "bridge/box2d/rigid_check.h"
@@ -17,7 +18,6 @@
 #include <box2d/box2d.h>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -64,6 +64,10 @@ bool fitsFloat(double v) {
     return std::abs(v) < 1e30;
 }
 
+void moveTo(b2Body& b, const b2Vec2& centre, float angle) {
+    b.SetTransform(centre - b2Mul(b2Rot(angle), b.GetLocalCenter()), angle);
+}
+
 } // namespace
 
 struct Box2dPort::Impl {
@@ -77,9 +81,10 @@ struct Box2dPort::Impl {
     std::uint64_t errorCount = 0;
     std::string lastError;
     bool restitutionNoted = false;
-    std::string note;                        ///< for takeNote()
-    OutlineQuery outlineQuery;               ///< storage of query()
-    std::vector<b2AABB> hostBoxes;           ///< likewise
+    std::string note;              ///< for takeNote()
+    OutlineQuery outlineQuery;     ///< storage of query()
+    std::vector<b2AABB> hostBoxes; ///< likewise
+    ForeseenBodies foreseen;
     ConstraintWorkspace constraintWorkspace; ///< storage of constraints() and impulses()
 
     void recordError(const std::string& why) {
@@ -113,6 +118,15 @@ struct Box2dPort::Impl {
         return nullptr;
     }
 
+    /// The same, or if the pose is not finite or too far away.
+    b2Body* placeable(BodyId id, const Vec2& centre, double angle, const char* call) {
+        sync(false);
+        if (fits(centre, scale) && std::abs(angle) < kMaxHost)
+            return dynamicBody(id, call);
+        recordError(std::string(call) + ": the pose is not finite or too far away");
+        return nullptr;
+    }
+
     void applyImpulse(BodyId id, const Vec2& impulse, double angular) {
         b2Body* b = registry.body(id);
         if (b == nullptr) {
@@ -133,9 +147,7 @@ struct Box2dPort::Impl {
                                      : "drive: the body is not kinematic; only kinematic bodies can be driven");
             return nullptr;
         }
-        const b2Vec2 host = toHost(centre, scale);
-        const b2Rot rotation(static_cast<float>(angle));
-        b->SetTransform(host - b2Mul(rotation, b->GetLocalCenter()), static_cast<float>(angle));
+        moveTo(*b, toHost(centre, scale), static_cast<float>(angle));
         b->SetLinearVelocity(toHost(velocity, scale));
         b->SetAngularVelocity(static_cast<float>(spin));
         return b;
@@ -162,13 +174,15 @@ struct Box2dPort::Impl {
         }
     }
 
-    /// The box in host units; null if there is no such box.
-    std::optional<b2AABB> hostBox(const Box& box) {
-        sync(true);
-        if (fits(box.lower, scale) && fits(box.upper, scale))
-            return b2AABB{toHost(box.lower, scale), toHost(box.upper, scale)};
-        recordError("query: the box is not finite or too far away");
-        return std::nullopt;
+    /// hostBoxes: the boxes in host units, without those that cannot be.
+    void findBoxes(std::span<const Box> boxes, bool thorough = true) {
+        sync(thorough);
+        hostBoxes.clear();
+        for (const Box& box : boxes)
+            if (fits(box.lower, scale) && fits(box.upper, scale))
+                hostBoxes.push_back({toHost(box.lower, scale), toHost(box.upper, scale)});
+            else
+                recordError("query: the box is not finite or too far away");
     }
 
     void noteRestitution(const std::vector<Piece>& pieces) {
@@ -218,15 +232,13 @@ double Box2dPort::unitsPerMetre() const {
 }
 
 void Box2dPort::query(const Box& box, std::vector<BodyOutline>& out) const {
-    if (const auto host = impl_->hostBox(box))
-        impl_->append(impl_->outlineQuery.now(*impl_->world, *host), out);
+    impl_->findBoxes({&box, 1});
+    if (!impl_->hostBoxes.empty())
+        impl_->append(impl_->outlineQuery.now(*impl_->world, impl_->hostBoxes.front()), out);
 }
 
 void Box2dPort::queryAhead(std::span<const Box> boxes, double ahead, std::vector<BodyOutline>& out) const {
-    impl_->hostBoxes.clear();
-    for (const Box& box : boxes)
-        if (const auto host = impl_->hostBox(box))
-            impl_->hostBoxes.push_back(*host);
+    impl_->findBoxes(boxes);
     if (!impl_->hostBoxes.empty())
         impl_->append(impl_->outlineQuery.ahead(*impl_->world, impl_->hostBoxes, ahead), out);
 }
@@ -314,30 +326,36 @@ void Box2dPort::setAwake(BodyId body, bool awake) {
 }
 
 void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
-    impl_->sync(false);
-    if (!fits(centre, impl_->scale) || !(std::abs(angle) < kMaxHost)) {
-        impl_->recordError("place: the pose is not finite or too far away");
-        return;
-    }
-    b2Body* b = impl_->dynamicBody(body, "place");
+    b2Body* b = impl_->placeable(body, centre, angle, "place");
     if (b == nullptr)
         return;
     b2Vec2 displacement = toHost(centre, impl_->scale) - b->GetWorldCenter();
-    bool blocked = false;
-    for (const b2ContactEdge* e = b->GetContactList(); e != nullptr; e = e->next) {
-        if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
-            continue;
-        b2WorldManifold manifold;
-        e->contact->GetWorldManifold(&manifold);
-        const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == b ? manifold.normal : -manifold.normal;
-        if (const float in = b2Dot(displacement, out); in < 0.0F) {
-            displacement -= in * out;
-            blocked = true;
-        }
-    }
-    const float turned = blocked ? b->GetAngle() : static_cast<float>(angle);
-    const b2Vec2 target = b->GetWorldCenter() + displacement;
-    b->SetTransform(target - b2Mul(b2Rot(turned), b->GetLocalCenter()), turned);
+    const bool blocked = isBlocked(*b, displacement);
+    moveTo(*b, b->GetWorldCenter() + displacement, blocked ? b->GetAngle() : static_cast<float>(angle));
+}
+
+void Box2dPort::putBack(BodyId body, const Vec2& centre, double angle) {
+    if (b2Body* b = impl_->placeable(body, centre, angle, "putBack"))
+        moveTo(*b, toHost(centre, impl_->scale), static_cast<float>(angle));
+}
+
+void Box2dPort::foresee(double ahead) {
+    impl_->sync(false);
+    impl_->foreseen.note(*impl_->world, impl_->registry, static_cast<float>(ahead));
+}
+
+void Box2dPort::strayed(std::span<const BodyId> known, std::span<const Box> boxes, std::vector<step::StrayBody>& strays,
+                        std::vector<BodyOutline>& out) const {
+    impl_->findBoxes(boxes, false); // impulses() has looked at every body
+    const std::size_t first = out.size();
+    impl_->foreseen.forStrays(impl_->registry, known, [&](const ForeseenBodies::Pose& from, const Motion& way) {
+        const std::vector<Piece>& pieces = impl_->outlineQuery.onWay(*from.body, way, impl_->hostBoxes);
+        if (pieces.empty())
+            return;
+        strays.push_back({from.id, toSi(from.centre, impl_->scale), static_cast<double>(from.angle)});
+        impl_->append(pieces, out);
+    });
+    std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(), step::before);
 }
 
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {

@@ -53,6 +53,10 @@ public:
     void setVelocity(step::BodyId body, const step::Vec2& velocity, double spin) override;
     void setAwake(step::BodyId body, bool awake) override;
     void place(step::BodyId body, const step::Vec2& centre, double angle) override;
+    void putBack(step::BodyId body, const step::Vec2& centre, double angle) override;
+    void foresee(double ahead) override;
+    void strayed(std::span<const step::BodyId> known, std::span<const step::Box> boxes,
+                 std::vector<step::StrayBody>& strays, std::vector<step::BodyOutline>& out) const override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
     /// As of step::HostWorld; outside of the world's own step.

@@ -386,6 +386,22 @@ bool pushes(const b2Contact& contact) {
     return contact.IsEnabled() && !contact.GetFixtureA()->IsSensor() && !contact.GetFixtureB()->IsSensor();
 }
 
+bool isBlocked(const b2Body& body, b2Vec2& displacement) {
+    bool blocked = false;
+    for (const b2ContactEdge* e = body.GetContactList(); e != nullptr; e = e->next) {
+        if (e->other->GetType() == b2_dynamicBody || !e->contact->IsTouching() || !pushes(*e->contact))
+            continue;
+        b2WorldManifold manifold;
+        e->contact->GetWorldManifold(&manifold);
+        const b2Vec2 out = e->contact->GetFixtureB()->GetBody() == &body ? manifold.normal : -manifold.normal;
+        if (const float in = b2Dot(displacement, out); in < 0.0F) {
+            displacement -= in * out;
+            blocked = true;
+        }
+    }
+    return blocked;
+}
+
 void appendConstraints(const BodyRegistry& registry, const std::vector<BodyId>& seeds, double unitsPerMetre, double dt,
                        double lastDt, ConstraintWorkspace& work, step::HostConstraints& out) {
     out.farthest = static_cast<double>(b2_maxTranslation) / unitsPerMetre;

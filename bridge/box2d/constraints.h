@@ -8,6 +8,8 @@ namespace supercircle::bridge {
 
 /// True if a touching contact exerts forces on its bodies.
 bool pushes(const b2Contact& contact);
+/// Whether immovable bodies that a body touches block a displacement of it, which loses what is blocked.
+bool isBlocked(const b2Body& body, b2Vec2& displacement);
 
 /// Workspace of appendConstraints(); its storage is kept from frame to frame.
 struct ConstraintWorkspace {

@@ -46,6 +46,12 @@ public:
     }
     void setAwake(BodyId body, bool awake) override { port_.setAwake(body, awake); }
     void place(BodyId body, const Vec2& centre, double angle) override { port_.place(body, centre, angle); }
+    void putBack(BodyId body, const Vec2& centre, double angle) override { port_.putBack(body, centre, angle); }
+    void foresee(double ahead) override { port_.foresee(ahead); }
+    void strayed(std::span<const BodyId> known, std::span<const step::Box> boxes, std::vector<step::StrayBody>& strays,
+                 std::vector<BodyOutline>& out) const override {
+        port_.strayed(known, boxes, strays, out);
+    }
     void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) override {
         port_.drive(body, centre, angle, velocity, spin);
     }

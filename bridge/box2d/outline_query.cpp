@@ -29,32 +29,33 @@ bool treeIsSound(const b2World& world) {
     return true;
 }
 
-/// Way and turn of a body within `ahead` s, at most what Box2D lets a body do in one step. What its constraints and its
-/// user do to it within the step is not foreseen.
-struct Sweep {
-    b2Vec2 way = b2Vec2_zero;
-    float turn = 0.0F;
+/// Box of a piece on a motion from where it is.
+b2AABB sweptBox(const Piece& p, const Motion& motion) {
+    b2AABB box = boxOf(p);
+    const float swing =
+        std::abs(motion.turn) * (b2Abs(box.GetCenter() - p.body->GetWorldCenter()) + box.GetExtents()).Length();
+    box.lowerBound += b2Min(motion.way, b2Vec2_zero) - b2Vec2(swing, swing);
+    box.upperBound += b2Max(motion.way, b2Vec2_zero) + b2Vec2(swing, swing);
+    return box;
+}
 
-    Sweep(const b2Body& body, float ahead, const b2Vec2& gravity) {
-        if (!body.IsAwake())
-            return;
-        const b2Vec2 fall = body.GetType() == b2_dynamicBody ? body.GetGravityScale() * gravity : b2Vec2_zero;
-        way = ahead * (body.GetLinearVelocity() + ahead * fall);
-        if (const float length = way.Length(); length > b2_maxTranslation)
-            way *= b2_maxTranslation / length;
-        turn = std::min(std::abs(ahead * body.GetAngularVelocity()), b2_maxRotation);
-    }
-
-    [[nodiscard]] b2AABB of(const Piece& p) const {
-        b2AABB box = boxOf(p);
-        const float swing = turn * (b2Abs(box.GetCenter() - p.body->GetWorldCenter()) + box.GetExtents()).Length();
-        box.lowerBound += b2Min(way, b2Vec2_zero) - b2Vec2(swing, swing);
-        box.upperBound += b2Max(way, b2Vec2_zero) + b2Vec2(swing, swing);
-        return box;
-    }
-};
+bool meetsOne(const b2AABB& piece, std::span<const b2AABB> boxes) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const b2AABB& box) { return b2TestOverlap(piece, box); });
+}
 
 } // namespace
+
+Motion foreseenMotion(const b2Body& body, float ahead, const b2Vec2& gravity) {
+    Motion m;
+    if (!body.IsAwake())
+        return m;
+    const b2Vec2 fall = body.GetType() == b2_dynamicBody ? body.GetGravityScale() * gravity : b2Vec2_zero;
+    m.way = ahead * (body.GetLinearVelocity() + ahead * fall);
+    if (const float length = m.way.Length(); length > b2_maxTranslation)
+        m.way *= b2_maxTranslation / length;
+    m.turn = std::clamp(ahead * body.GetAngularVelocity(), -b2_maxRotation, b2_maxRotation);
+    return m;
+}
 
 std::uint32_t Piece::key() const {
     std::uint32_t older = 0;
@@ -89,22 +90,28 @@ const std::vector<Piece>& OutlineQuery::ahead(b2World& world, std::span<const b2
     for (const b2AABB& box : boxes)
         all.Combine(box);
     now(world, all);
-    const auto meets = [&](const b2AABB& piece) {
-        return std::any_of(boxes.begin(), boxes.end(), [&](const b2AABB& box) { return b2TestOverlap(piece, box); });
-    };
     std::erase_if(found_, [&](const Piece& p) { // those that may move follow, whole
-        return p.body->GetType() != b2_staticBody || (boxes.size() > 1 && !meets(boxOf(p)));
+        return p.body->GetType() != b2_staticBody || (boxes.size() > 1 && !meetsOne(boxOf(p), boxes));
     });
     for (b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext()) {
         if (b->GetType() == b2_staticBody || !b->IsEnabled())
             continue;
         const std::size_t first = found_.size();
         appendSolids(*b, found_);
-        const Sweep sweep(*b, static_cast<float>(ahead), world.GetGravity());
+        const Motion motion = foreseenMotion(*b, static_cast<float>(ahead), world.GetGravity());
         if (std::none_of(found_.begin() + static_cast<std::ptrdiff_t>(first), found_.end(),
-                         [&](const Piece& p) { return meets(sweep.of(p)); }))
+                         [&](const Piece& p) { return meetsOne(sweptBox(p, motion), boxes); }))
             found_.resize(first);
     }
+    return found_;
+}
+
+const std::vector<Piece>& OutlineQuery::onWay(b2Body& body, const Motion& motion, std::span<const b2AABB> boxes) {
+    found_.clear();
+    appendSolids(body, found_);
+    const Motion back{-motion.way, motion.turn};
+    if (std::none_of(found_.begin(), found_.end(), [&](const Piece& p) { return meetsOne(sweptBox(p, back), boxes); }))
+        found_.clear();
     return found_;
 }
 

@@ -18,6 +18,16 @@ struct Piece {
     [[nodiscard]] std::uint32_t key() const;
 };
 
+/// Of a body, in host units.
+struct Motion {
+    b2Vec2 way = b2Vec2_zero; ///< of its centre of mass
+    float turn = 0.0F;
+};
+
+/// Motion of a body within `ahead` s by its own velocity, at most what Box2D lets a body do in one step. What its
+/// constraints and its user do to it within the step is not foreseen.
+Motion foreseenMotion(const b2Body& body, float ahead, const b2Vec2& gravity);
+
 /// Keeps its storage between queries. Only enabled bodies are found.
 class OutlineQuery {
 public:
@@ -26,6 +36,8 @@ public:
     /// Pieces that meet one of the boxes (at least one), with all pieces of each body that may move and gets into one
     /// within `ahead` s by its own velocity.
     const std::vector<Piece>& ahead(b2World& world, std::span<const b2AABB> boxes, double ahead);
+    /// All pieces of a body, if one of them met one of the boxes on the motion that led to where it is; else none.
+    const std::vector<Piece>& onWay(b2Body& body, const Motion& motion, std::span<const b2AABB> boxes);
     const std::vector<Piece>& all(b2World& world);
 
     bool QueryCallback(int32 proxyId); // called by Box2D

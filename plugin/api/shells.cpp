@@ -186,6 +186,18 @@ private:
     std::function<bool()> observer_; ///< does not throw
 };
 
+/// No call changes the shells meanwhile; reset however the call ends.
+class SteppingLock {
+public:
+    explicit SteppingLock(bool& flag) : flag_(flag) { flag_ = true; }
+    ~SteppingLock() { flag_ = false; }
+    SteppingLock(const SteppingLock&) = delete;
+    SteppingLock& operator=(const SteppingLock&) = delete;
+
+private:
+    bool& flag_;
+};
+
 } // namespace
 
 FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
@@ -215,17 +227,12 @@ FrameReport Shells::pre_step(double dt, const std::function<bool()>& observer) {
         m.advanced = 0.0;
         return report;
     }
-    struct Lock { // reset however the call ends
-        bool& flag;
-        explicit Lock(bool& f) : flag(f) { flag = true; }
-        ~Lock() { flag = false; }
-    };
     const FrameStart before(m.world);
     const double start = m.world.time;
     std::uint64_t inner = 0; // steps
     std::string thrown;
     const Status ended = Impl::withoutExceptions([&] {
-        const Lock lock(m.stepping);
+        const SteppingLock lock(m.stepping);
         m.recordStart();
         m.detector.begin(m.world);
         // An observer that throws ends the frame regularly: the host still gets the impulses of this frame.
@@ -296,6 +303,8 @@ std::uint32_t Shells::id() const {
 Status Shells::post_step() {
     return impl_->change([&] {
         impl_->recorder.record(Call::PostStep);
+        const std::shared_ptr<Impl> kept = impl_; // the host may be the user's, and move this object
+        const SteppingLock lock(kept->stepping);  // the pair filter may be asked
         if (impl_->port)
             impl_->stepper.learnFromHost(impl_->world, *impl_->port, impl_->advanced);
         impl_->advanced = 0.0; // the host step counts once

@@ -55,6 +55,13 @@ struct Box {
     Vec2 upper = Vec2::Zero(); ///< m
 };
 
+/// A body that the host's step carried elsewhere than foreseen.
+struct StrayBody {
+    BodyId body = 0;
+    Vec2 centre = Vec2::Zero(); ///< foreseen centre of mass, m
+    double angle = 0.0;         ///< rad
+};
+
 class Port {
 public:
     virtual ~Port() = default;
@@ -85,6 +92,15 @@ public:
     /// Moves a dynamic body after a host step without a change of velocity, as far as immovable bodies it touches let
     /// it.
     virtual void place(BodyId body, const Vec2& centre, double angle) = 0;
+    /// The same, whatever the body touches.
+    virtual void putBack(BodyId body, const Vec2& centre, double angle) { place(body, centre, angle); }
+    /// Before its step of `ahead` s: notes where dynamic bodies will be if only gravity changes their motion.
+    virtual void foresee(double /*ahead*/) {}
+    /// After its step: appends the dynamic bodies that met one of the boxes on the straight way from where they were
+    /// foreseen to where they are, without those of `known` (sorted), and all their outlines, sorted by (body, key).
+    /// Bodies farther away than the step can take them were put there by their user, and are left out.
+    virtual void strayed(std::span<const BodyId> /*known*/, std::span<const Box>, std::vector<StrayBody>&,
+                         std::vector<BodyOutline>&) const {}
     /// Places a kinematic body for the coming host step: pose at its start and velocity through it.
     virtual void drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) = 0;
     /// Makes bodies, fixtures and joints in the host, names them for find() and sets the host's gravity. Empty, or why

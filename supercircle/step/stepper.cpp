@@ -189,7 +189,7 @@ void Stepper::readHost(World& world, const Port& port, double frame) const {
 }
 
 void Stepper::learnFromHost(World& world, Port& port, double advanced) const {
-    step::learnFromHost(world, settings_, port, advanced, work_->coupling);
+    step::learnFromHost(world, settings_, pairFilter, port, advanced, work_->coupling);
 }
 
 /// Why the trial must not become the next state; `cuts` in a row so far. An unconverged contact problem is tried at
@@ -407,8 +407,10 @@ FrameResult Stepper::advance(World& world, double frame, Port* port, FrameObserv
                                             : advanceIslands(world, frame, port, observer);
     }
     out.refused = refused;
-    if (port && out.advanced > 0.0)
+    if (port && out.advanced > 0.0) {
         stopInHost(world, *port);
+        port->foresee(out.advanced);
+    }
     world.crossheadVelocity = crossheadVelocity;
     if (settings_.crush == CrushPolicy::Stop)
         stopBodies(world, out.crushed);

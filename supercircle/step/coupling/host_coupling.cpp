@@ -1,5 +1,6 @@
 #include "supercircle/step/coupling/host_coupling.h"
 
+#include "supercircle/step/coupling/stray_bodies.h"
 #include "supercircle/support/invariants.h"
 
 #include <algorithm>
@@ -17,25 +18,11 @@ constexpr double kLeave = 0.02; ///< h, difference of place that is left to the 
 /// times this deep in each other.
 constexpr double kAtRest = 0.1 * kLeave;
 
-/// Depth of overlap with the shells per outline, m.
-void depths(const std::vector<contact::RodCurve>& curves, const std::vector<contact::Outline>& outlines,
-            HostCouplingWork& work, std::vector<double>& depth) {
-    work.detector.detect(curves, outlines, {0.0}, work.near);
-    depth.assign(outlines.size(), 0.0);
-    for (const contact::Candidate& c : work.near)
-        if (c.outline >= 0) {
-            double& d = depth[static_cast<std::size_t>(c.outline)];
-            d = std::max(d, -c.gap);
-        }
-}
-
-/// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy, or
-/// beyond it: HostCouplingWork::intruding.
+/// Bodies among the suspects (indices into World::bodies) whose original stands deeper in a shell than its copy:
+/// HostCouplingWork::intruding; or beyond it: HostCouplingWork::crossing.
 void findIntruders(const World& world, HostCouplingWork& work) {
-    std::vector<contact::RodCurve>& curves = work.curves;
-    curves.resize(world.rods.size());
-    for (std::size_t i = 0; i < curves.size(); ++i)
-        toCurve(world.rods[i], world.rods[i].kin, curves[i]);
+    takeCurves(world, work);
+    const std::vector<contact::RodCurve>& curves = work.curves;
     std::vector<contact::Outline>&copies = work.copies, &originals = work.originals;
     std::vector<int>& owner = work.owner;
     std::size_t count = 0;
@@ -59,19 +46,39 @@ void findIntruders(const World& world, HostCouplingWork& work) {
     copies.resize(count);
     originals.resize(count);
     SC_ASSERT(owner.size() == count, "one owner an outline");
-    depths(curves, copies, work, work.depthOfCopy);
-    depths(curves, originals, work, work.depthOfOriginal);
+    depths(copies, work, work.depthOfCopy);
+    depths(originals, work, work.depthOfOriginal);
     work.crossings.clear();
     contact::findCrossingsSwept(curves, curves, copies, originals, work.crossings);
     work.intruding.clear();
+    work.crossing.clear();
     for (std::size_t k = 0; k < owner.size(); ++k) {
         const bool crosses = std::any_of(work.crossings.begin(), work.crossings.end(), [&](const contact::Crossing& c) {
             return c.rodB < 0 && c.outline == static_cast<int>(k);
         });
         const double h = world.bodies[static_cast<std::size_t>(owner[k])].thicknessNear;
-        if (crosses || work.depthOfOriginal[k] > work.depthOfCopy[k] + kLeave * h)
+        if (crosses)
+            work.crossing.push_back(owner[k]);
+        else if (work.depthOfOriginal[k] > work.depthOfCopy[k] + kLeave * h)
             work.intruding.push_back(owner[k]);
     }
+}
+
+/// Puts back a body that is past a shell: a copy that pressed on shells is right, another one goes on to the shell.
+/// False: only past shells that let it pass.
+bool putBackCrossing(const World& world, const PairFilter& filter, Port& port, HostCouplingWork& work, Body& b) {
+    HostCoupling& h = b.hostCoupling;
+    const auto belongs = [&](const BodyOutline& o) { return o.body == b.id; };
+    const auto first = std::find_if(world.outlines.begin(), world.outlines.end(), belongs);
+    const auto last = std::find_if_not(first, world.outlines.end(), belongs);
+    const double share = freeShare(world, {first, last}, b.state, h.seen, filter, work);
+    if (share >= 1.0)
+        return false;
+    if (!h.coupled)
+        moveAlong(b.state, h.seen, share, b.state);
+    port.putBack(b.id, b.state.centre, b.state.angle);
+    (void)port.state(b.id, h.seen); // it answered in this frame
+    return true;
 }
 
 /// Its constraints were in our problem all the frame long, so that our impulses can be compared with the host's.
@@ -146,7 +153,7 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
     }
 }
 
-void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work) {
+void reconcilePoses(World& world, const PairFilter& filter, Port& port, double advanced, HostCouplingWork& work) {
     SC_ASSERT(work.unsolved.size() == world.bodies.size(), "one motion a body");
     const std::vector<BodyMotion>& unsolved = work.unsolved;
     std::vector<int>& suspects = work.suspects;
@@ -176,10 +183,14 @@ void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork&
     if (suspects.empty())
         return;
     findIntruders(world, work);
-    const std::vector<int>& intruding = work.intruding;
+    const auto isIn = [](const std::vector<int>& list, int i) {
+        return std::find(list.begin(), list.end(), i) != list.end();
+    };
     for (const int i : suspects) {
         Body& b = world.bodies[static_cast<std::size_t>(i)];
-        if (std::find(intruding.begin(), intruding.end(), i) != intruding.end()) {
+        if (isIn(work.crossing, i) && putBackCrossing(world, filter, port, work, b))
+            continue;
+        if (isIn(work.crossing, i) || isIn(work.intruding, i)) {
             port.place(b.id, b.state.centre, b.state.angle);
             (void)port.state(b.id, b.hostCoupling.seen); // it answered in this frame
         } else {

@@ -11,22 +11,27 @@
 // Formulas and measured limits: docs/theory/coupling.md. What was tried: decision 0052.
 
 #include "supercircle/step/contacts/contact_rows.h"
+#include "supercircle/step/stepper.h"
 
 namespace supercircle::step {
 
-/// Storage of the two below, kept from frame to frame.
+/// Storage of what follows the host's step, kept from frame to frame.
 struct HostCouplingWork {
     std::vector<BodyMotion> unsolved; ///< per World::bodies
     std::vector<BodyId> impulseUnknown;
     std::vector<int> woken;            ///< sleepers that the host woke within its step, indices into World::bodies
     std::vector<std::uint32_t> struck; ///< islands that must not fall asleep after all
-    std::vector<int> suspects, intruding, owner;
+    std::vector<int> suspects, intruding, crossing, owner;
     std::vector<contact::RodCurve> curves;
     std::vector<contact::Outline> copies, originals;
     std::vector<double> depthOfCopy, depthOfOriginal;
     contact::Detector detector;
     std::vector<contact::Candidate> near;
     std::vector<contact::Crossing> crossings;
+    std::vector<Box> shellBoxes; ///< of the next four see stray_bodies.h
+    std::vector<BodyId> judged;
+    std::vector<StrayBody> strays;
+    std::vector<BodyOutline> strayOutlines;
 };
 
 /// Distance of a body's farthest point from its centre of mass, m.
@@ -41,10 +46,11 @@ void unsolvedByHost(const World& world, const Port& port, double advanced, HostC
 
 /// After the host's step: decides for every dynamic body near shells whether its copy or its original is where it
 /// should be. What is left between them (less than a fiftieth of a thickness as a rule) is the drift of the next frame.
-void reconcilePoses(World& world, Port& port, double advanced, HostCouplingWork& work);
+void reconcilePoses(World& world, const PairFilter& filter, Port& port, double advanced, HostCouplingWork& work);
 
 /// After the host's own step of `advanced` seconds: gives the bodies the velocities they have at the end of the frame
 /// and learns what the host's constraints did to them.
-void learnFromHost(World& world, const Settings& settings, Port& port, double advanced, HostCouplingWork& work);
+void learnFromHost(World& world, const Settings& settings, const PairFilter& filter, Port& port, double advanced,
+                   HostCouplingWork& work);
 
 } // namespace supercircle::step

@@ -1,6 +1,7 @@
 // After the host's own step: what its constraints did to the bodies.
 
 #include "supercircle/step/coupling/sleeping_bodies.h"
+#include "supercircle/step/coupling/stray_bodies.h"
 #include "supercircle/step/crush.h"
 #include "supercircle/support/invariants.h"
 
@@ -9,7 +10,8 @@
 
 namespace supercircle::step {
 
-void learnFromHost(World& world, const Settings& settings, Port& port, double advanced, HostCouplingWork& work) {
+void learnFromHost(World& world, const Settings& settings, const PairFilter& filter, Port& port, double advanced,
+                   HostCouplingWork& work) {
     if (!(advanced > 0.0))
         return;
     resumeInHost(world, port);
@@ -65,7 +67,8 @@ void learnFromHost(World& world, const Settings& settings, Port& port, double ad
         }
         (void)port.state(b.id, h.seen); // it answered above
     }
-    reconcilePoses(world, port, advanced, work);
+    putBackStrays(world, filter, port, work);
+    reconcilePoses(world, filter, port, advanced, work);
     settleBodies(world, settings, port, advanced, work);
     world.constraints.clear(); // names the host's addresses: nothing to keep between frames
 }

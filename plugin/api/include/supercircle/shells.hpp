@@ -218,8 +218,8 @@ public:
     Status set_surface_speed(BodyId body, double speed, std::uint32_t fixture = all_fixtures);
     /// A veto on contacts of a shell with a host body, beside the collision filters; empty: none. At the start of each
     /// pre_step the filter is asked about each pair that may meet in the frame, any number of times and in any order.
-    /// False keeps the two apart in that frame. It may read the shells but not change them, and equal states must give
-    /// equal answers. It is neither saved nor recorded.
+    /// False keeps the two apart in that frame. post_step asks about bodies that the host carried past a shell. It may
+    /// read the shells but not change them, and equal states must give equal answers. It is neither saved nor recorded.
     Status set_pair_filter(std::function<bool(const PairQuery&)> filter);
     /// Moves the origin of the coordinates to a point (m, in the old ones), of the shells and of the host world
     /// (b2World::ShiftOrigin) in one call. Motion goes on within rounding. Events and snapshots taken before keep the

@@ -1,0 +1,36 @@
+#pragma once
+// Dynamic bodies that the host's step carried elsewhere than the shells foresaw (private to step/).
+//
+// Within the host's step a blow, a joint or a force of its user may make a body fast that was at rest, and no shell
+// acts there: the body may be past a shell at the end. It goes back to where its way first meets a shell, and keeps its
+// velocity, so that the contact of the next frame stops it. The way is the straight one from the pose that was foreseen
+// for the end of the frame: the copy's, or that of free flight. No shell has come there.
+
+#include "supercircle/step/coupling/host_coupling.h"
+#include "supercircle/step/stepper.h"
+
+#include <span>
+
+namespace supercircle::step {
+
+/// Depth of overlap with the shells in HostCouplingWork::curves per outline, m.
+void depths(const std::vector<contact::Outline>& outlines, HostCouplingWork& work, std::vector<double>& depth);
+
+/// The shells where they are: HostCouplingWork::curves.
+void takeCurves(const World& world, HostCouplingWork& work);
+
+/// Part of the straight way between two poses on which the outlines of a body cross no shell that stops them, 1: all of
+/// it. It ends where the first one is touched.
+double freeShare(const World& world, std::span<const BodyOutline> pieces, const BodyState& from, const BodyState& to,
+                 const PairFilter& filter, HostCouplingWork& work);
+
+/// The pose at a share of the straight way.
+inline void moveAlong(const BodyState& from, const BodyState& to, double share, BodyState& out) {
+    out.centre = from.centre + share * (to.centre - from.centre);
+    out.angle = from.angle + share * (to.angle - from.angle);
+}
+
+/// After the host's step: puts back the bodies that are past a shell of which no outline was read for this frame.
+void putBackStrays(World& world, const PairFilter& filter, Port& port, HostCouplingWork& work);
+
+} // namespace supercircle::step

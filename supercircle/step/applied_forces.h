@@ -35,6 +35,14 @@ void endOfFrame(World& world);
 
 /// Adds forces and mouse joints to A and rhs. `first`: nothing was solved in this attempt yet.
 void addLoads(const Rod& rod, double dt, bool first, RodWork& w);
+/// Of a mouse joint on its point, and the part of spring and damper that its largest force leaves.
+struct MouseForce {
+    Vec2 force = Vec2::Zero(); ///< N
+    double share = 1.0;
+};
+[[nodiscard]] MouseForce mouseForce(const MouseJoint& joint, const Vec2& point, const Vec2& velocity);
+/// Leaves the joints' forces at the end of a free motion in the rod.
+void recordMouseForces(Rod& rod, RodWork& w);
 /// Work of forces and mouse joints over the step, J; leaves the joints' forces in the rod.
 double recordAppliedForces(Rod& rod, double dt, const RodWork& w);
 /// Whether a mouse joint's force is farther than 1 % from its law, so that another linearisation is worth while.

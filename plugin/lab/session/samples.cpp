@@ -2,8 +2,10 @@
 
 #include "plugin/lab/session/session.h"
 
+#include "supercircle/rod/inertia.h"
 #include "supercircle/step/damping.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace supercircle::lab {
@@ -17,7 +19,31 @@ void Session::record() {
     watchVibration();
 }
 
-/// What a damping of the first mode would take at a ratio of 1, as the energies of vibration of this step say.
+namespace {
+
+/// Kinetic energy but for that of a rigid motion, J; all of it where the rod is held.
+double vibratingEnergy(const step::Rod& r) {
+    const double all = rod::kineticEnergy(r.gauss, r.u), mass = r.model.mass();
+    if (!r.holds.empty())
+        return all;
+    const rod::Vec2 centre = rod::massCentre(r.kin, r.gauss);
+    rod::Vec2 drift = rod::Vec2::Zero();
+    for (std::size_t g = 0; g < r.u.size(); ++g)
+        drift += (r.gauss.mass[g] / mass) * r.u[g];
+    double momentum = 0.0, inertia = 0.0; // angular, about the centre of mass
+    for (std::size_t g = 0; g < r.u.size(); ++g) {
+        const rod::Vec2 arm = r.kin.middle() + r.gauss.arm[g] - centre;
+        momentum += r.gauss.mass[g] * rod::cross(arm, r.u[g] - drift);
+        inertia += r.gauss.mass[g] * arm.squaredNorm();
+    }
+    const double rigid = 0.5 * mass * drift.squaredNorm() + 0.5 * momentum * momentum / std::max(inertia, 1e-300);
+    return std::max(0.0, all - rigid);
+}
+
+} // namespace
+
+/// What a damping of the first mode would take at a ratio of 1: twice its frequency times the energy of vibration,
+/// which is twice the kinetic one on average.
 void Session::watchVibration() {
     const step::World& w = shells_.world();
     if (!shells_.stepper().settings().secondOrder)
@@ -28,7 +54,7 @@ void Session::watchVibration() {
             firstFrequencies_.push_back(step::firstFrequency(r));
     }
     for (std::size_t i = 0; i < w.rods.size(); ++i)
-        unitDamping_ += 2.0 * firstFrequencies_[i] * w.rods[i].vibration * w.dt;
+        unitDamping_ += 4.0 * firstFrequencies_[i] * vibratingEnergy(w.rods[i]) * w.dt;
 }
 
 void Session::sample() {

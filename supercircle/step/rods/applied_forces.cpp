@@ -47,6 +47,11 @@ void rowsAt(const Rod& rod, const RodWork& w, double s, Eigen::Matrix<double, 2,
     w.kin.pointRows(rod.model, rod::locate(rod.model, s), Vec2::Zero(), Vec2::UnitX(), Vec2::UnitY(), rows);
 }
 
+double shareOf(const MouseJoint& g, const Vec2& force) {
+    const double size = force.norm();
+    return size > g.maxForce ? g.maxForce / size : 1.0;
+}
+
 /// Force of a mouse joint as its work space says, for the velocity `v`.
 Vec2 forceOf(const MouseJointWork& g, double dt, const Eigen::VectorXd& v) {
     const Vec2 u = g.J * v;
@@ -155,11 +160,9 @@ void addLoads(const Rod& rod, double dt, bool first, RodWork& w) {
         SC_ASSERT(k.J.cols() == rod.model.dofs(), "a row of this rod");
         k.stiffness = g.stiffness;
         k.damping = g.damping;
-        const double force = forceOf(k, dt, first ? rod.v : w.v).norm();
-        if (force > g.maxForce) {
-            k.stiffness *= g.maxForce / force;
-            k.damping *= g.maxForce / force;
-        }
+        const double share = shareOf(g, forceOf(k, dt, first ? rod.v : w.v));
+        k.stiffness *= share;
+        k.damping *= share;
         w.A.noalias() += (dt * (k.damping + dt * k.stiffness)) * k.J.transpose() * k.J;
         w.rhs += (dt * k.stiffness) * (k.J.transpose() * k.stretch);
     }
@@ -173,6 +176,19 @@ double recordAppliedForces(Rod& rod, double dt, const RodWork& w) {
         work += dt * rod.mouseJoints[i].force.dot(w.mouseJoints[i].J * w.v);
     }
     return work;
+}
+
+MouseForce mouseForce(const MouseJoint& g, const Vec2& point, const Vec2& velocity) {
+    const Vec2 whole = g.stiffness * (g.target - point) - g.damping * velocity;
+    const double share = shareOf(g, whole);
+    return {share * whole, share};
+}
+
+void recordMouseForces(Rod& rod, RodWork& w) {
+    for (MouseJoint& g : rod.mouseJoints) {
+        rowsAt(rod, w, g.s, w.rowsOfLoad);
+        g.force = mouseForce(g, w.kin.point(rod::locate(rod.model, g.s)), w.rowsOfLoad * w.v).force;
+    }
 }
 
 bool mouseJointsOff(const Rod& rod, double dt, const RodWork& w) {

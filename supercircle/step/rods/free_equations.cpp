@@ -61,6 +61,7 @@ void FreeEquations::factor(double tau, const Eigen::VectorXd& q, bool pulled) {
     addRelaxingTangent(rod_, tau, w_.A);
     addHoldSpringStiffness(rod_, w_.kin, tau * tau, w_.A);
     addAirTangent(tau);
+    addMouseTangent(tau);
     if (pulled)
         w_.A += tau * tau * w_.axial;
     w_.llt.compute(w_.A);
@@ -142,13 +143,18 @@ void FreeEquations::holdRows() {
     }
 }
 
-void FreeEquations::addPointRows(const rod::MaterialPoint& at, const Vec2& offset, double sign, Eigen::Index row) {
+/// Into `rowsOfLoad`: the rows of a point about the centre of mass.
+void FreeEquations::centredRows(const rod::MaterialPoint& at, const Vec2& offset) {
     w_.rowsOfLoad.resize(2, n_);
     w_.kin.pointRows(rod_.model, at, offset, Vec2::UnitX(), Vec2::UnitY(), w_.rowsOfLoad);
     for (int axis = 0; axis < 2; ++axis) {
         w_.rowsOfLoad.row(axis) -= f_.mean[axis].transpose() / mass();
         w_.rowsOfLoad.row(axis).segment<2>(x()) = Vec2::Unit(axis);
     }
+}
+
+void FreeEquations::addPointRows(const rod::MaterialPoint& at, const Vec2& offset, double sign, Eigen::Index row) {
+    centredRows(at, offset);
     f_.C.middleRows<2>(row) += sign * w_.rowsOfLoad;
 }
 
@@ -204,6 +210,41 @@ void FreeEquations::addAir(FreeStage& s) {
     }
 }
 
+/// Of a mouse joint, whose point moves with the generalised velocities `v`; its rows are left in `rowsOfLoad`.
+MouseForce FreeEquations::mouseForceAt(const MouseJoint& joint, const Eigen::VectorXd& v) {
+    const rod::MaterialPoint at = rod::locate(rod_.model, joint.s);
+    centredRows(at, Vec2::Zero());
+    return mouseForce(joint, w_.kin.point(at) + f_.middle, w_.rowsOfLoad * v);
+}
+
+/// As at the start of the step. At its largest force a joint gives way along it: only its direction is stiff.
+void FreeEquations::addMouseTangent(double tau) {
+    if (rod_.mouseJoints.empty())
+        return;
+    meanRows();
+    for (const MouseJoint& joint : rod_.mouseJoints) {
+        const MouseForce at = mouseForceAt(joint, f_.v);
+        Eigen::Matrix2d stiff = at.share * tau * (joint.damping + tau * joint.stiffness) * Eigen::Matrix2d::Identity();
+        if (at.share < 1.0) {
+            const Vec2 along = at.force.normalized();
+            stiff -= stiff(0, 0) * along * along.transpose();
+        }
+        w_.A.noalias() += w_.rowsOfLoad.transpose() * stiff * w_.rowsOfLoad;
+    }
+}
+
+void FreeEquations::addMouseJoints(FreeStage& s) {
+    s.mousePower = 0.0;
+    if (rod_.mouseJoints.empty())
+        return;
+    meanRows();
+    for (const MouseJoint& joint : rod_.mouseJoints) {
+        const Vec2 force = mouseForceAt(joint, s.v).force;
+        f_.force.noalias() += w_.rowsOfLoad.transpose() * force;
+        s.mousePower += force.dot(w_.rowsOfLoad * s.v);
+    }
+}
+
 void FreeEquations::eliminate() {
     f_.solved = f_.C.transpose();
     if (f_.C.rows() > 0) // Eigen forms a reference to the first number even where there is none
@@ -221,6 +262,7 @@ void FreeEquations::residual(double tau, double ahead, FreeStage& s) {
     f_.force.segment<2>(x()) = mass() * world_.gravity;
     addForces();
     addAir(s);
+    addMouseJoints(s);
     rod::momentum(model, w_.kin, w_.gauss, f_.u, f_.product);
     f_.product.segment<2>(x()) = mass() * s.v.segment<2>(x());
     s.p = s.p0 + tau * f_.force;

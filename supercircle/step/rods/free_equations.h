@@ -2,6 +2,7 @@
 // The equations of one rod in a stage of free motion (private to step/rods; the scheme is said in free_motion.h). q, p
 // and v have the centre of mass in place of the middle.
 
+#include "supercircle/step/applied_forces.h"
 #include "supercircle/step/rods/rod_system.h"
 
 namespace supercircle::step {
@@ -44,6 +45,10 @@ private:
     void airRow(std::size_t point);
     void addAirTangent(double tau);
     void addAir(FreeStage& s);
+    void centredRows(const rod::MaterialPoint& at, const Vec2& offset);
+    [[nodiscard]] MouseForce mouseForceAt(const MouseJoint& joint, const Eigen::VectorXd& v);
+    void addMouseTangent(double tau);
+    void addMouseJoints(FreeStage& s);
 
     const World& world_;
     const Rod& rod_;

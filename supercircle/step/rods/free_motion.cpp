@@ -82,7 +82,7 @@ void FreeMotion::beginRod(const Rod& rod, FreeWork& f) {
     f.q.segment<2>(x) = f.centre;
     f.p.segment<2>(x) = model.mass() * drift;
     f.v.segment<2>(x) = drift;
-    f.holdWork = f.damped = f.airTaken = 0.0;
+    f.holdWork = f.damped = f.airTaken = f.mouseWork = 0.0;
     beginMaterial(rod, f);
     f.least = rod::bendingEnergy(model, rod.q);
     f.closest = std::numeric_limits<double>::infinity();
@@ -102,7 +102,7 @@ bool FreeMotion::begin() {
         w.moved = w.shift = w.error = 0.0;
         g_.vibration = std::max(g_.vibration, rod.vibration);
         g_.size = std::min(g_.size, rod.freeStep);
-        inexact_ = inexact_ || !rod.forces.empty() || rod.effects.air.on();
+        inexact_ = inexact_ || !rod.forces.empty() || !rod.mouseJoints.empty() || rod.effects.air.on();
         guarded_ = guarded_ || inexact_ || !rod.holds.empty();
     }
     system_.evaluate();
@@ -118,8 +118,10 @@ bool FreeMotion::begin() {
 /// @param energy at its end, J
 bool FreeMotion::gains(double start, double size, double tau, double energy) {
     double given = 0.0;
-    for (std::size_t i = 0; i < system_.size(); ++i)
-        given += holdWork(i, start, size, tau);
+    for (std::size_t i = 0; i < system_.size(); ++i) {
+        const auto& stages = system_.free(i).stages;
+        given += holdWork(i, start, size, tau) + tau * (kExtrapolate * stages[0].mousePower + stages[1].mousePower);
+    }
     for (const FreeJoint& j : g_.joints)
         given += kExtrapolate * j.stages[0].given + j.stages[1].given;
     const double gained = energy - energy_ - given;
@@ -239,6 +241,7 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
         if (viscosity > 0.0)
             f.damped += weight * tau * viscosity * rod::bendingForm(model, s.v);
         f.airTaken += weight * tau * s.airPower;
+        f.mouseWork += weight * tau * s.mousePower;
     }
     takeMaterial(rod, start, size, f);
 }
@@ -369,7 +372,7 @@ bool FreeMotion::run() {
 
 bool mayMoveFreely(const Rod& rod) {
     const effects::RodEffects& fx = rod.effects;
-    return !rod.frozen() && rod.mouseJoints.empty() && !fx.drag.on() && !fx.adhesion.model.on();
+    return !rod.frozen() && !fx.drag.on() && !fx.adhesion.model.on();
 }
 
 bool moveFreely(const World& world, const Settings& settings, const std::vector<BodyMotion>& motion, double dt,
@@ -387,6 +390,7 @@ void standAside(const Rod& rod, RodWork& w) {
 RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w) {
     RodEnergies energies;
     FreeWork& f = w.free;
+    energies.loadWork = f.mouseWork;
     const Vec2 before = rod::massCentre(rod.kin, rod.gauss);
     const double springs = holdSpringEnergy(world, rod, rod.kin, 0.0); // of the clamps, not of the rod
     energies.kineticChange = -rod::kineticEnergy(rod.gauss, rod.u);
@@ -412,6 +416,7 @@ RodEnergies acceptFreeMotion(const World& world, Rod& rod, double dt, RodWork& w
     // What the scheme took, in total: its parts have no sign of their own.
     energies.secondOrder = energies.holdWork + energies.loadWork - energies.damping - energies.effects -
                            (energies.kineticChange + energies.bendingChange + energies.gravityChange);
+    recordMouseForces(rod, w);
     const Eigen::VectorXd& impulse = f.stages[1].impulse;
     Eigen::Index row = 0;
     for (Hold& h : rod.holds) {

@@ -15,8 +15,8 @@
 
 namespace supercircle::step {
 
-/// Whether gravity, holds to places, forces and effects without memory are all that acts on the rod, contacts left
-/// aside.
+/// Whether gravity, holds to places, forces, mouse joints and effects without memory are all that acts on the rod,
+/// contacts left aside.
 [[nodiscard]] bool mayMoveFreely(const Rod& rod);
 /// The motion of a group over `dt` s: of its rods q1, v, kin1, u1, moved. `motion` of bodies that are given. False: it
 /// was not found.

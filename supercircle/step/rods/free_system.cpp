@@ -100,6 +100,8 @@ void FreeSystem::collectPulls() {
         beginPulls(rod(i).model, work(i));
         for (const AppliedForce& a : rod(i).forces)
             pull(rod(i).model, rod::locate(rod(i).model, a.s), a.force, work(i));
+        for (const MouseJoint& g : rod(i).mouseJoints)
+            pull(rod(i).model, rod::locate(rod(i).model, g.s), g.force, work(i));
         for (const Hold& h : rod(i).holds)
             pull(rod(i).model, rod::locate(rod(i).model, h.s), h.reaction, work(i));
     }

@@ -93,6 +93,7 @@ struct FreeStage {
     Eigen::VectorXd change;                      ///< scratch
     std::vector<double> overstress0, overstress; ///< of Maxwell branches, by branch and element, 1/m
     double airPower = 0.0;                       ///< that the air takes, W
+    double mousePower = 0.0;                     ///< that mouse joints give, W
 };
 
 /// Free motion of a rod within a step: state and storage. q, p, v have the centre of mass in place of the middle.
@@ -104,7 +105,7 @@ struct FreeWork {
     double least = 0.0;                                        ///< see Rod::leastBending
     double holdWork = 0.0, damped = 0.0;                       ///< J
     double relaxed = 0.0, softened = 0.0;                      ///< by Maxwell branches and by age, J
-    double airTaken = 0.0;                                     ///< by the air, J
+    double airTaken = 0.0, mouseWork = 0.0;                    ///< by the air, of mouse joints, J
     std::vector<double> overstress;                            ///< as in FreeStage
     int steps = 0, iterations = 0;                             ///< of its group
     Vec2 centre = Vec2::Zero(), carried = Vec2::Zero();        ///< centre of mass at the start, its way so far, m

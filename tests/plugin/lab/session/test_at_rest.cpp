@@ -35,3 +35,17 @@ TEST_CASE("a weight at rest bends a cantilever as the elastica", "[lab]") {
     }
     CHECK(-y / length == Approx(0.49346).epsilon(1e-3)); // 48 arcs, positions in single precision
 }
+
+TEST_CASE("a run states the damping ratio of its time scheme", "[lab]") {
+    // What the energy loses without any damping, over 2 omega_1 times energy and time.
+    const double length = 0.3, b = 2e11 * 0.02 * 1e-9 / 12.0, line = 7800.0 * 0.02 * 1e-3;
+    const double omega = std::pow(1.8751040687 / length, 2) * std::sqrt(b / line);
+    const record::Recording r = simulate(loadScene("experiments/cantilever_vibration", {{"time", 2.0}})).recording;
+    const std::vector<double>&elastic = *r.series.find("elastic_J"), &kinetic = *r.series.find("kinetic_J"),
+          &time = *r.series.find("time_s");
+    const double first = elastic.front() + kinetic.front(), last = elastic.back() + kinetic.back();
+    const double expected = std::log(first / last) / (2.0 * omega * (time.back() - time.front()));
+    CAPTURE(first, last);
+    CHECK(expected > 0.0);
+    CHECK(number(r, "numerical_damping_ratio") == Approx(expected).epsilon(0.1)); // 3 % of the energy vibrates higher
+}

@@ -1,8 +1,10 @@
-// What is joined to a body alone goes with it when its user puts the body somewhere else.
+// What is joined to a body alone goes with it when its user puts the body somewhere else; other gaps close, and frames
+// of any length bring in nothing.
 
 #include "tests/bridge/box2d/game_world.h"
 
 #include <array>
+#include <random>
 
 using namespace supercircle;
 using namespace supercircle::bridge_test;
@@ -148,4 +150,88 @@ TEST_CASE("a sleeping shell goes along with its body", "[box2d][carry]") {
     level.frame();
     for (std::size_t k = 0; k < 3; ++k)
         CHECK(level.relative(shell, block)[k] == Approx(before[k]).margin(1e-6 + 3e-7 * way));
+}
+
+namespace {
+
+enum class End { World, Body, Shell };
+
+/// A bumper whose lower tip is joined to something, in thirty frames of 1e-7 to 1 s.
+void playFramesOfAnyLength(Quality quality, double units, JointKind kind, End end, unsigned seed) {
+    CAPTURE(static_cast<int>(quality), units, static_cast<int>(kind), static_cast<int>(end), seed);
+    GameWorld g(quality, {.scale = units, .density = 20.0F, .friction = 0.6F});
+    g.floor();
+    b2Body* crate = g.box(0.0F, 0.5F, 1.4F, 0.2F, b2_dynamicBody);
+    JointDef j;
+    j.kind = kind;
+    j.shell = g.bumper({1.77, 1.5});
+    j.arc_fraction = 0.0;
+    j.point = {1.42, kind == JointKind::Tether ? 2.0 : 1.15};
+    if (end == End::Body) {
+        j.body = g.port.body_id(*crate);
+        j.point = {1.3, 0.6};
+    } else if (end == End::Shell) {
+        j.other = g.strip(0.87, 1.15);
+        j.other_fraction = kind == JointKind::Tether ? 0.5 : 1.0;
+    }
+    if (end != End::World || kind == JointKind::Tether)
+        REQUIRE(g.shells.create_joint(j));
+    else if (kind == JointKind::Weld) // holds tie a shell to the world
+        REQUIRE(g.shells.create_clamp(j.shell, 0.0));
+    else
+        REQUIRE(g.shells.create_pin(j.shell, 0.0));
+    std::mt19937 random(seed);
+    for (int i = 0; i < 30; ++i) {
+        g.frame(std::pow(10.0, -7.0 * static_cast<double>(random()) / 4294967295.0)); // no frame may raise the alarm
+        CHECK(g.shells.events().quarantined.empty());
+    }
+}
+
+void playAllFramesOfAnyLength() {
+    unsigned seed = 0;
+    for (const Quality quality : {Quality::Game, Quality::Laboratory})
+        for (const double units : {0.1, 1.0, 10.0, 50.0, 100.0})
+            for (const JointKind kind : {JointKind::Pin, JointKind::Weld, JointKind::Tether})
+                for (const End end : {End::World, End::Body, End::Shell})
+                    playFramesOfAnyLength(quality, units, kind, end, ++seed);
+}
+
+} // namespace
+
+TEST_CASE("frames of any length in any order bring in nothing, whatever is joined", "[box2d][carry][slow]") {
+    playAllFramesOfAnyLength();
+}
+
+TEST_CASE("a gap of up to ten thicknesses that nothing carries is closed within a second", "[box2d][carry]") {
+    // A bumper between two heavy crates, of which one is put elsewhere.
+    const Quality quality = GENERATE(Quality::Game, Quality::Laboratory);
+    const double units = GENERATE(0.1, 1.0, 50.0, 100.0);
+    const JointKind kind = GENERATE(JointKind::Pin, JointKind::Weld, JointKind::Tether);
+    const double thicknesses = GENERATE(0.1, 1.0, 10.0);
+    CAPTURE(static_cast<int>(quality), units, static_cast<int>(kind), thicknesses);
+    CarryLevel level(quality, units);
+    level.material.density *= 100.0F;
+    const ShellHandle shell = level.bumper({0.35, 0.0}); // its tips at x = 0, y = -0.35 and 0.35
+    const double h = level.shells.world().rods[0].model.definition().thickness;
+    b2Body* low = level.box(b2_dynamicBody, 0.0F, -0.6F);
+    b2Body* high = level.box(b2_dynamicBody, 0.0F, 0.6F);
+    level.join(shell, 0.0, low, kind);
+    level.join(shell, 1.0, high, kind);
+    for (int i = 0; i < 10; ++i)
+        level.frame();
+    const Point tip = level.shells.section(shell, 1.0).value().position;
+    const double apart = 0.25; // of a tether's ends
+    high->SetTransform(high->GetPosition() + b2Vec2(0.0F, static_cast<float>(thicknesses * h) * level.L), 0.0F);
+    for (int i = 0; i < 60; ++i)
+        level.frame();
+    const ShellSection now = level.shells.section(shell, 1.0).value();
+    const double x = static_cast<double>(high->GetPosition().x / level.L), turn = static_cast<double>(high->GetAngle());
+    const double y = static_cast<double>(high->GetPosition().y / level.L);
+    if (kind == JointKind::Tether) {
+        CHECK(std::hypot(now.position.x - x, now.position.y - y) < apart + 0.02 * h);
+    } else { // the crate's own point, where the tip was
+        const double dx = tip.x, dy = tip.y - 0.6;
+        const double c = std::cos(turn), n = std::sin(turn);
+        CHECK(std::hypot(now.position.x - (x + c * dx - n * dy), now.position.y - (y + n * dx + c * dy)) < 0.02 * h);
+    }
 }

@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/estimation/baseline_fit.h"
 #include "plugin/identification/diagnosis/estimation/homogeneity.h"
 #include "plugin/identification/diagnosis/fit.h"
+#include "plugin/identification/diagnosis/localisation/validity.h"
 #include "plugin/identification/diagnosis/next_experiment/competing_hypotheses.h"
 #include "plugin/identification/diagnosis/result/effect_intervals.h"
 #include "plugin/identification/diagnosis/result/report_values.h"
@@ -272,7 +273,7 @@ void Procedure::screenEffects() {
 
 void Procedure::summarise() {
     baselineScore_ = predictiveScoreOf(evaluator_, *likelihood_, grouping_, baseline_, settings_);
-    out_.homogeneity = homogeneityOf(*likelihood_, baseline_);
+    out_.homogeneity = homogeneityOf(evaluator_.model(), *likelihood_, baseline_);
     out_.screening = presentScreening(candidates(), screened_, out_.misfit.critical);
 }
 
@@ -410,6 +411,10 @@ void Procedure::conclude() {
         out_.improvementCi = {};
     }
     present();
+    evaluator_.stop().attempt([&] { addStatedBand(evaluator_, *likelihood_, out_.runs); });
+    if (out_.misfit.p <= kFamilyWise && !data_.free &&
+        !evaluator_.stop().attempt([&] { out_.validity = rangesOfValidity(evaluator_, *likelihood_, settings_.seed); }))
+        out_.notTried.push_back("the range of validity without an effect");
     if (!evaluator_.stop().attempt([&] { proposeNextExperiment(); }))
         out_.notTried.push_back("the choice of a next experiment");
     out_.statement = statementOf(out_, e);

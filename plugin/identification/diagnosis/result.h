@@ -120,6 +120,7 @@ struct RunCurves {
     std::string name;
     std::vector<double> time, displacement, recorded; ///< s, m, N
     std::vector<double> baseline, improved;           ///< N; improved empty: none
+    std::vector<double> statedLow, statedHigh;        ///< N, of the stated intervals; empty: free runs
     std::vector<double> residual, residualImproved;   ///< whitened; 0 where missing
     std::vector<bool> counts;
     std::vector<double> markerTime; ///< s
@@ -136,10 +137,28 @@ struct ChannelError {
 };
 
 struct Homogeneity {
-    double q = 0.0, p = 1.0; ///< chi-squared of single-run parameters about the common fit, and its p-value
-    double degrees = 0.0;    ///< degrees of freedom
+    double q = 0.0, p = 1.0;      ///< chi-squared of single-run parameters about the common fit, and its p-value
+    double degrees = 0.0;         ///< degrees of freedom
+    std::string number{}, unit{}; ///< parameter that explains most with a value of its own in each run; if they differ
+    std::vector<std::pair<std::string, double>> values{}; ///< of it, by runs
+    [[nodiscard]] bool differ() const { return degrees > 0.0 && p < 0.01; }
     /// Root mean square shift of single-run parameters from the common fit, sigma; 0 of a single run.
     [[nodiscard]] double shift() const { return degrees > 0.0 ? std::sqrt(q / degrees) : 0.0; }
+};
+
+/// How far a driven run is explained without an effect inside the stated intervals (localisation/validity.h).
+struct ValidRange {
+    struct Place {
+        double time = 0.0;  ///< s
+        double drive = 0.0; ///< displacement, m, or load
+        Phase phase = Phase::Hold;
+    };
+    std::string run;
+    bool known = false;           ///< it can be simulated with the stated numbers
+    bool whole = false;           ///< all of it is explained
+    Place until;                  ///< end of the longest beginning that is
+    Place departs;                ///< where it most probably begins to depart; not if `whole`
+    Place departsFrom, departsTo; ///< 90 % interval
 };
 
 /// Forecasts of a free run from its beginning.
@@ -190,6 +209,7 @@ struct Diagnosis {
     std::vector<NominalResult> nominal;
     std::vector<BatchResult> batch; ///< of the best hypothesis
     Homogeneity homogeneity;
+    std::vector<ValidRange> validity; ///< of driven runs with a significant misfit
     std::optional<NextExperiment> next;
     std::size_t candidateRunsConsidered =
         0; ///< number of candidate runs considered if none discriminates; 0: not considered, or one does

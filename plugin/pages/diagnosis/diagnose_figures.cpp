@@ -31,6 +31,7 @@ using graphics::SvgCanvas;
 namespace theme = graphics::theme;
 
 constexpr Colour kMarked = Colour::hex(0xf6d9a8);
+constexpr Colour kStated = Colour::hex(0xd5dde6);
 constexpr double kBar = 5.0; // height of the bars that mark visible intervals
 
 /// Means over a few rows, because residuals of thousands of rows would fill the plot.
@@ -65,6 +66,11 @@ void legend(Canvas& canvas, double x, double y, const Diagnosis& d, bool improve
     entry("best simulation without extra physics", theme::loading, 1.4);
     if (improved)
         entry("with " + improvedBy(d), theme::unloading, 1.4);
+    if (std::any_of(d.runs.begin(), d.runs.end(), [](const RunCurves& c) { return !c.statedLow.empty(); })) {
+        canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kStated});
+        canvas.text({x + 30.0, y}, "stated intervals", {theme::labelSize, theme::muted});
+        x += 50.0 + graphics::textWidth("stated intervals", theme::labelSize);
+    }
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
     canvas.text({x + 30.0, y}, "significant misfit", {theme::labelSize, theme::muted});
     x += 50.0 + graphics::textWidth("significant misfit", theme::labelSize);
@@ -80,6 +86,28 @@ void markVisibleIntervals(Canvas& canvas, const Plot& plot,
         const double left = plot.at(s.from, 0.0).x, right = plot.at(s.to, 0.0).x;
         canvas.rectangle({left, plot.area.y + plot.area.height - kBar, right - left, kBar}, {.fill = theme::unloading});
     }
+}
+
+/// What simulations with the stated intervals fill, piece by piece between missing rows.
+void drawBand(Canvas& canvas, const Plot& plot, const std::vector<double>& across, const RunCurves& c) {
+    std::vector<Point> low, high;
+    const auto fill = [&] {
+        if (low.size() > 1) {
+            low.insert(low.end(), high.rbegin(), high.rend());
+            canvas.path(low, true, {.fill = kStated});
+        }
+        low.clear();
+        high.clear();
+    };
+    for (std::size_t k = 0; k < c.statedLow.size(); ++k) {
+        if (!std::isfinite(c.statedLow[k]) || !std::isfinite(c.statedHigh[k])) {
+            fill();
+            continue;
+        }
+        low.push_back(plot.at(across[k], c.statedLow[k]));
+        high.push_back(plot.at(across[k], c.statedHigh[k]));
+    }
+    fill();
 }
 
 void markWindows(Canvas& canvas, const Plot& plot, const Diagnosis& d, const std::string& run,
@@ -135,6 +163,7 @@ void drawRun(Canvas& canvas, const Diagnosis& d, std::size_t r) {
     const Plot left({80.0, 40.0, 470.0, 460.0}, graphics::rangeOf({&across}), force);
     left.drawFrame(canvas, style);
     canvas.pushClip(left.area);
+    drawBand(canvas, left, across, c);
     left.drawLine(canvas, across, c.recorded, {theme::ink, 2.6});
     left.drawLine(canvas, across, c.baseline, {theme::loading, 1.4});
     if (improved)

@@ -229,6 +229,41 @@ Json forecastOf(const Diagnosis& d) {
             {"nonlinear", d.forecast.nonlinear}};
 }
 
+/// How far runs are explained without an effect.
+Json validityOf(const Diagnosis& d) {
+    const bool load = d.drive && d.drive->isLoad;
+    const double factor = d.drive ? d.drive->perUnit : 1e3;
+    const auto place = [&](const diagnosis::ValidRange::Place& p) {
+        return Json{{"t_s", d.table ? Json(nullptr) : Json(p.time)},
+                    {load ? "load" : "displacement_mm", factor * p.drive},
+                    {"phase", diagnosis::name(p.phase)}};
+    };
+    Json runs = Json::array();
+    for (const diagnosis::ValidRange& r : d.validity) {
+        if (!r.known)
+            continue;
+        Json run = {{"run", r.run}, {"whole", r.whole}, {"explained_until", place(r.until)}};
+        if (!r.whole) {
+            run["departs"] = place(r.departs);
+            run["departs_ci90"] = {place(r.departsFrom), place(r.departsTo)};
+        }
+        runs.push_back(run);
+    }
+    return runs;
+}
+
+Json homogeneityOf(const Diagnosis& d) {
+    const diagnosis::Homogeneity& h = d.homogeneity;
+    Json out = {{"shift", h.shift()}, {"p_value", h.p}, {"chi2", h.q}, {"degrees_of_freedom", h.degrees}};
+    if (h.number.empty())
+        return out;
+    out["number"] = h.number;
+    out["unit"] = h.unit;
+    for (const auto& [run, value] : h.values)
+        out["values"][run] = finite(value);
+    return out;
+}
+
 Json nominalOf(const Diagnosis& d) {
     Json out = Json::object();
     for (const diagnosis::NominalResult& n : d.nominal) {
@@ -285,11 +320,7 @@ std::string diagnosisJson(const Diagnosis& d, const diagnosis::StoredFits& fits)
                  {"learned_laws", learnedOf(d)},
                  {"fit", fitOf(d)},
                  {"nominal", nominalOf(d)},
-                 {"homogeneity",
-                  {{"shift", d.homogeneity.shift()},
-                   {"p_value", d.homogeneity.p},
-                   {"chi2", d.homogeneity.q},
-                   {"degrees_of_freedom", d.homogeneity.degrees}}},
+                 {"homogeneity", homogeneityOf(d)},
                  {"next_experiment", next},
                  {"seed", d.seed},
                  {"forward_runs", d.forwardRuns},
@@ -298,6 +329,8 @@ std::string diagnosisJson(const Diagnosis& d, const diagnosis::StoredFits& fits)
         json["replay"] = record::parseJson(storedFitsJson(fits));
     if (!d.batch.empty())
         json["batch"] = batchOf(d);
+    if (!d.validity.empty())
+        json["range_of_validity"] = validityOf(d);
     if (!d.forecast.runs.empty())
         json["forecast"] = forecastOf(d);
     return record::jsonText(json) + "\n";

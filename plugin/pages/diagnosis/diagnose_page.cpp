@@ -154,6 +154,30 @@ std::string windowTable(const diagnosis::Localisation& l, const Diagnosis& d) {
     return html + "</table>";
 }
 
+/// How far each run is explained without extra physics.
+std::string validityTable(const Diagnosis& d) {
+    if (d.validity.empty() || !d.drive)
+        return {};
+    const auto place = [&](const diagnosis::ValidRange::Place& p) {
+        return fixed(d.drive->perUnit * p.drive, 2) + (d.drive->unit.empty() ? "" : " " + escaped(d.drive->unit)) +
+               (d.table ? "" : " at " + fixed(p.time, 2) + " s") + ", " + diagnosis::name(p.phase);
+    };
+    std::string html = "<p>How far each run is explained from its beginning, inside the stated intervals (p &gt; "
+                       "0.05), and where it departs:</p><table><tr><th>run</th><th>explained up to</th>"
+                       "<th>departs at</th><th>90 % interval</th></tr>";
+    for (const diagnosis::ValidRange& r : d.validity) {
+        html += "<tr><td>" + escaped(r.run) + "</td>";
+        if (!r.known)
+            html += "<td colspan=\"3\">cannot be simulated with the stated numbers</td></tr>";
+        else if (r.whole)
+            html += "<td colspan=\"3\">its end</td></tr>";
+        else
+            html += "<td>" + place(r.until) + "</td><td>" + place(r.departs) + "</td><td>" + place(r.departsFrom) +
+                    " to " + place(r.departsTo) + "</td></tr>";
+    }
+    return html + "</table>";
+}
+
 std::string nominalTable(const Diagnosis& d) {
     std::string html = "<table><tr><th>parameter</th><th>stated</th><th>fitted</th><th>shift in half-widths (-1 to "
                        "1)</th></tr>";
@@ -167,9 +191,10 @@ std::string nominalTable(const Diagnosis& d) {
         return html;
     html += "<p>Homogeneity of the parameters over the runs: Q = " + fixed(d.homogeneity.q, 1) + " with " +
             fixed(d.homogeneity.degrees, 0) + " degrees of freedom, p = " + rounded(d.homogeneity.p, 2) +
-            (d.homogeneity.p < 0.01
-                 ? ". The runs require different parameters: an effect that changes from run to run is missing."
-                 : ". All runs agree with the same parameters.") +
+            (d.homogeneity.differ() ? ". The runs require different parameters, most of all " +
+                                          escaped(diagnosis::plainWords(d.homogeneity.number)) +
+                                          ": specimens differ, or an effect that changes from run to run is missing."
+                                    : ". All runs agree with the same parameters.") +
             "</p>";
     return html;
 }
@@ -242,7 +267,8 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     page.section("Errors", looked ? errorTable(d) : "");
     for (std::size_t r = 0; r < d.runs.size(); ++r)
         page.section(d.runs[r].name, scroll(runFigure(d, r)) + scroll(markerFigure(d, r)));
-    page.section("Misfit of the simulation without extra physics", looked ? windowTable(d.misfit, d) : "");
+    page.section("Misfit of the simulation without extra physics",
+                 looked ? windowTable(d.misfit, d) + validityTable(d) : "");
     if (d.improved)
         page.section("Misfit with " + improvedBy(d), windowTable(d.residualAfterBest, d));
     page.section("Position on the specimen", scroll(specimenFigure(d, e)));

@@ -2,11 +2,59 @@
 
 #include "plugin/identification/diagnosis/localisation/localise.h"
 
+#include <Eigen/QR>
 #include <boost/math/distributions/chi_squared.hpp>
 
 namespace supercircle::diagnosis {
 
-Homogeneity homogeneityOf(const Likelihood& likelihood, const FitResult& fitted) {
+namespace {
+
+/// The columns of a Jacobian, with one of them split by runs; columns of runs that do not know it are zero.
+Eigen::MatrixXd splitByRuns(const Likelihood& likelihood, const Eigen::MatrixXd& jacobian, Eigen::Index column) {
+    const auto runs = static_cast<Eigen::Index>(likelihood.runs());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Zero(jacobian.rows(), jacobian.cols() + runs);
+    out.leftCols(jacobian.cols()) = jacobian;
+    out.col(column).setZero();
+    for (Eigen::Index r = 0; r < runs; ++r) {
+        const Eigen::Index from = likelihood.start(static_cast<std::size_t>(r)),
+                           rows = likelihood.rowsOf(static_cast<std::size_t>(r));
+        out.col(jacobian.cols() + r).segment(from, rows) = jacobian.col(column).segment(from, rows);
+    }
+    return out;
+}
+
+/// Sets the parameter whose values of single runs explain most, and their range.
+void nameNumber(const Model& model, const Likelihood& likelihood, const FitResult& fitted, double common,
+                Homogeneity& out) {
+    const Variables v(model, fitted.point);
+    double most = 0.0;
+    for (Eigen::Index i = 0; i < v.nominal; ++i) {
+        if (v.scalar(i).specimen >= 0 || v.scalar(i).batch >= 0)
+            continue; // it differs already
+        const Eigen::MatrixXd J = splitByRuns(likelihood, fitted.jacobian, i), Q = basisOf(J);
+        const double q = (Q.transpose() * fitted.residual).squaredNorm() - common;
+        if (!(q > most))
+            continue;
+        most = q;
+        const Eigen::VectorXd own = J.completeOrthogonalDecomposition()
+                                        .solve(fitted.residual)
+                                        .tail(static_cast<Eigen::Index>(likelihood.runs()));
+        const auto valueOf = [&](double by) {
+            Eigen::VectorXd x = fitted.x;
+            x[i] += by;
+            return toPhysical(v.scalar(i).scale, v.at(x).nominal[static_cast<std::size_t>(i)]);
+        };
+        out.number = v.scalar(i).name;
+        out.unit = v.scalar(i).unit;
+        out.values.clear();
+        for (std::size_t r = 0; r < likelihood.runs(); ++r)
+            out.values.emplace_back(likelihood.data().runs[r].name, valueOf(own[static_cast<Eigen::Index>(r)]));
+    }
+}
+
+} // namespace
+
+Homogeneity homogeneityOf(const Model& model, const Likelihood& likelihood, const FitResult& fitted) {
     Homogeneity out;
     double own = 0.0, ranks = 0.0;
     for (std::size_t r = 0; r < likelihood.runs(); ++r) {
@@ -15,10 +63,13 @@ Homogeneity homogeneityOf(const Likelihood& likelihood, const FitResult& fitted)
         ranks += static_cast<double>(Q.cols());
     }
     const Eigen::MatrixXd Q = basisOf(fitted.jacobian);
-    out.q = std::max(0.0, own - (Q.transpose() * fitted.residual).squaredNorm());
+    const double common = (Q.transpose() * fitted.residual).squaredNorm();
+    out.q = std::max(0.0, own - common);
     out.degrees = ranks - static_cast<double>(Q.cols());
     if (out.degrees > 0.0)
         out.p = boost::math::cdf(boost::math::complement(boost::math::chi_squared(out.degrees), out.q));
+    if (out.differ())
+        nameNumber(model, likelihood, fitted, common, out);
     return out;
 }
 

@@ -103,6 +103,9 @@ void material(CandidateBuilder& w, const ExperimentScales& s) {
     w.amplitude("My_over_B_1_m", 0.04 * bend, 1e6, 1.5 * bend, Scale::Reciprocal).extent("H_over_B", 0.01, 5.0);
     w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3}).probe({0.8 * bend, 0.3}).probe({1.3 * bend, 0.3});
     w.probe({0.08 * bend, 0.03});
+    w.variant("plasticity", "kinematic hardening").with("hardening", 1); // differs behind a reversal alone
+    w.amplitude("My_over_B_1_m", 0.04 * bend, 1e6, 1.5 * bend, Scale::Reciprocal).extent("H_over_B", 0.01, 5.0);
+    w.probe({0.45 * bend, 0.3}).probe({0.2 * bend, 0.3});
     w.variant("softening_over_time", "exponential").with("law", 0);
     w.amplitude("drop", 0.0, 0.9, 0.05).extent("tau_s", 0.2 * s.second, 5.0 * s.duration);
     w.probe({0.1, 0.3 * s.duration}).probe({0.1, 2.0 * s.second});

@@ -256,6 +256,41 @@ std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResu
     return out;
 }
 
+void addStatedBand(Evaluator& evaluator, const Likelihood& likelihood, std::vector<RunCurves>& curves) {
+    if (likelihood.data().free)
+        return;
+    constexpr double kDifference = 0.2, kNormal = 1.645; // as the fit has it, so that nothing new is simulated
+    ParameterPoint stated;
+    for (const Scalar& s : evaluator.model().nominal())
+        stated.nominal.push_back(s.value);
+    const Variables v(evaluator.model(), stated);
+    std::vector<ParameterPoint> points;
+    for (Index i = 0; i < v.size(); ++i)
+        for (const double side : {kDifference, -kDifference}) {
+            Eigen::VectorXd x = Eigen::VectorXd::Zero(v.size());
+            x[i] = std::clamp(side, v.lower[i], v.upper[i]);
+            points.push_back(v.at(x));
+        }
+    const std::vector<Response> middle = evaluator.simulateAllRuns({stated}, Fidelity::Fine).front();
+    const auto beside = evaluator.simulateAllRuns(points, Fidelity::Coarse);
+    for (std::size_t r = 0; r < curves.size(); ++r) {
+        const Index n = middle[r].force.size();
+        if (!middle[r].failure.empty() || n != static_cast<Index>(curves[r].time.size()))
+            continue;
+        Eigen::VectorXd spread = Eigen::VectorXd::Zero(n);
+        for (Index i = 0; i < v.size(); ++i) {
+            const auto at = static_cast<std::size_t>(2 * i);
+            const Eigen::VectorXd &up = beside[at][r].force, &down = beside[at + 1][r].force;
+            const double span = std::min(kDifference, v.upper[i]) - std::max(-kDifference, v.lower[i]);
+            const double reach = std::min({v.upper[i], -v.lower[i], v.scalar(i).precision > 0.0 ? kNormal : 1.0});
+            if (up.size() == n && down.size() == n && span > 0.0)
+                spread += reach / span * (up - down).cwiseAbs();
+        }
+        curves[r].statedLow = list(middle[r].force - spread);
+        curves[r].statedHigh = list(middle[r].force + spread);
+    }
+}
+
 std::vector<ResidualWindow> windowsOfEffect(const RecordedData& data, const std::vector<RunCurves>& curves,
                                             const Localisation& found) {
     std::vector<ResidualWindow> all;

@@ -41,6 +41,11 @@ std::vector<ChannelError> furtherErrorsOf(const Likelihood& likelihood, const Fi
 /// than 0.7 sigma; gaps of 0.3 s are closed.
 std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResult& nominal, const FitResult* best);
 
+/// Sets the band that simulations with the stated intervals fill: the stated simulation, and beside it the sum of what
+/// each parameter changes up to the end of its interval, linearly. Intervals of normal priors are those of 90 %. Driven
+/// runs only: of a swing, phases are not linear. Throws Stopped.
+void addStatedBand(Evaluator& evaluator, const Likelihood& likelihood, std::vector<RunCurves>& curves);
+
 /// Windows of an effect whose signature is significant while no window is.
 std::vector<ResidualWindow> windowsOfEffect(const RecordedData& data, const std::vector<RunCurves>& curves,
                                             const Localisation& found);

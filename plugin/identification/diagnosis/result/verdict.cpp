@@ -59,10 +59,6 @@ std::string withValues(const FittedEffect& e) {
     return text;
 }
 
-/// Held-out error, in units of the noise, up to which one effect explains everything. In the benchmark single effects
-/// reach 1.27, and one of two effects 1.46 or more.
-constexpr double kAll = 1.35;
-
 /// Parameters that one run alone identifies: its held-out error is not a forecast.
 std::string identifiedOnlyBySentence(const FittedEffect& e) {
     std::map<std::string, std::string> names; // by run
@@ -97,7 +93,7 @@ std::string heldOutSentence(const Diagnosis& d, const FittedEffect& e) {
 
 std::string identifiedSentence(const Diagnosis& d) {
     const FittedEffect& e = d.effects.front();
-    const bool all = d.improvedHeldOut <= kAll * d.noise.total();
+    const bool all = d.residualAfterBest.p > kFamilyWise; // as the table of windows says
     std::string text = (all ? "The runs are explained by " : "Most of the misfit is explained by ") + withValues(e);
     for (const std::string& label : e.jointWith) {
         const auto other = std::find_if(d.effects.begin(), d.effects.end(), [&](const FittedEffect& o) {
@@ -287,6 +283,19 @@ std::string wrongNumberSentence(const Diagnosis& d) {
     return text + "; " + heldOutSentence(d, first) + " Correct the description and diagnose again.";
 }
 
+/// That runs want different numbers, where nothing else explains them.
+std::string homogeneitySentence(const Diagnosis& d) {
+    const Homogeneity& h = d.homogeneity;
+    if (!h.differ() || h.values.empty() || d.verdict == "identified" || d.verdict == "ambiguous")
+        return {};
+    const auto [least, most] = std::minmax_element(h.values.begin(), h.values.end(),
+                                                   [](const auto& a, const auto& b) { return a.second < b.second; });
+    const std::string unit = h.unit == "1" ? "" : " " + h.unit;
+    return " The runs want different numbers (p = " + rounded(h.p, 2) + "): " + plainWords(h.number) + " " +
+           rounded(least->second, 4) + unit + " in " + least->first + " and " + rounded(most->second, 4) + unit +
+           " in " + most->first + " explain most of it.";
+}
+
 std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
     if (d.wrongNumber)
         return wrongNumberSentence(d);
@@ -336,8 +345,8 @@ std::string verdictSentence(const Diagnosis& d, const Evidence& e) {
 } // namespace
 
 std::string statementOf(const Diagnosis& d, const Evidence& e) {
-    const std::string text = verdictSentence(d, e) +
-                             (d.verdict == "outside_catalogue" ? "" : specimensSentence(d.batch)) + forecastSentence(d);
+    const std::string text =
+        verdictSentence(d, e) + specimensSentence(d.batch) + homogeneitySentence(d) + forecastSentence(d);
     if (d.noise.disturbance <= 0.0)
         return text;
     return text +

@@ -196,22 +196,29 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
         see(answers[i + 1], share, all[i]);
     if (!likelihood.data().free || share != 1.0)
         return all;
-    // A tenth of what throws a swing out of phase, whose whole change says nothing of a smaller one.
-    constexpr double kTenth = 0.1,
-                     kOutOfPhase = 5.0; // noise units of a reading; half of it simulates more probes twice
-    std::vector<ScreenedProbe> small;
-    points.clear();
-    for (const ScreenedProbe& s : all)
-        if (s.norm > kOutOfPhase * std::sqrt(static_cast<double>(likelihood.countedRows()))) {
-            small.push_back(probeOf(candidates, s.candidate, s.probe));
+    // Tenths of what throws a swing out of phase, whose whole change says nothing of a smaller one.
+    constexpr double kTenth = 0.1, kLeast = 1e-3;
+    constexpr double kOutOfPhase = 5.0; // noise units of a reading; half of it simulates more probes twice
+    const double limit = kOutOfPhase * std::sqrt(static_cast<double>(likelihood.countedRows()));
+    std::vector<ScreenedProbe> large = all;
+    double part = 1.0;
+    const auto inPhase = [&](const ScreenedProbe& s) { return !(s.norm * part > limit); };
+    while (part > kLeast * 1.5) {
+        large.erase(std::remove_if(large.begin(), large.end(), inPhase), large.end());
+        if (large.empty())
+            break;
+        part *= kTenth;
+        points.clear();
+        for (ScreenedProbe& s : large) {
+            s = probeOf(candidates, s.candidate, s.probe);
             points.push_back(nominal.point);
-            points.back().terms.push_back(
-                {s.candidate, scaledValues(candidates[s.candidate], small.back().values, kTenth)});
+            points.back().terms.push_back({s.candidate, scaledValues(candidates[s.candidate], s.values, part)});
         }
-    const auto nearer = evaluator.simulateAllRuns(points, Fidelity::Coarse);
-    for (std::size_t i = 0; i < small.size(); ++i)
-        see(nearer[i], kTenth, small[i]);
-    all.insert(all.end(), small.begin(), small.end());
+        const auto nearer = evaluator.simulateAllRuns(points, Fidelity::Coarse);
+        for (std::size_t i = 0; i < large.size(); ++i)
+            see(nearer[i], part, large[i]);
+        all.insert(all.end(), large.begin(), large.end());
+    }
     return all;
 }
 

@@ -1,6 +1,5 @@
 #include "toy.h"
 
-#include "plugin/identification/diagnosis/estimation/homogeneity.h"
 #include "plugin/identification/diagnosis/noise.h"
 #include "plugin/identification/diagnosis/result/verdict.h"
 #include "supercircle/step/parallel.h"
@@ -408,15 +407,6 @@ TEST_CASE("scatter between repeats is measured and used", "[diagnosis]") {
     for (Eigen::Index k = 0; k < data.runs[1].force.size(); ++k)
         data.runs[1].force[k] += 0.08 * std::sin(0.9 * data.runs[1].time[k]); // half the variance: 0.04 rms
     CHECK(estimateNoise(data).runToRun == Approx(0.04).epsilon(0.35));        // a sine is not normally distributed
-}
-
-TEST_CASE("parameters that differ from run to run are detected", "[diagnosis]") {
-    const RecordedData data = toy::recordings(14, "dashpot", 20.0);
-    const toy::Spring spring(data);
-    CHECK(run(data, spring).homogeneity.p < 1e-3);
-    const RecordedData same = toy::recordings(15);
-    const toy::Spring other(same);
-    CHECK(run(same, other).homogeneity.p > 1e-3);
 }
 
 TEST_CASE("a diagnosis is bitwise identical for any number of threads and after an interruption", "[diagnosis]") {

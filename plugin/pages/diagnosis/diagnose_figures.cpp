@@ -60,20 +60,20 @@ void legend(Canvas& canvas, double x, double y, const Diagnosis& d, bool improve
     const auto entry = [&](const std::string& word, const Colour& colour, double width) {
         canvas.line({x, y - 4.0}, {x + 24.0, y - 4.0}, {colour, width});
         canvas.text({x + 30.0, y}, word, {theme::labelSize, theme::muted});
-        x += 50.0 + graphics::textWidth(word, theme::labelSize);
+        x += 44.0 + graphics::textWidth(word, theme::labelSize);
     };
     entry("recorded", theme::ink, 2.6);
-    entry("best simulation without extra physics", theme::loading, 1.4);
+    entry("fitted without extra physics", theme::loading, 1.4);
     if (improved)
         entry("with " + improvedBy(d), theme::unloading, 1.4);
     if (std::any_of(d.runs.begin(), d.runs.end(), [](const RunCurves& c) { return !c.statedLow.empty(); })) {
         canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kStated});
         canvas.text({x + 30.0, y}, "stated intervals", {theme::labelSize, theme::muted});
-        x += 50.0 + graphics::textWidth("stated intervals", theme::labelSize);
+        x += 44.0 + graphics::textWidth("stated intervals", theme::labelSize);
     }
     canvas.rectangle({x, y - 11.0, 24.0, 12.0}, {.fill = kMarked});
     canvas.text({x + 30.0, y}, "significant misfit", {theme::labelSize, theme::muted});
-    x += 50.0 + graphics::textWidth("significant misfit", theme::labelSize);
+    x += 44.0 + graphics::textWidth("significant misfit", theme::labelSize);
     if (!improved)
         return;
     canvas.rectangle({x, y - 7.0, 24.0, kBar}, {.fill = theme::unloading});

@@ -39,13 +39,12 @@ void nameNumber(const Model& model, const Likelihood& likelihood, const FitResul
         const Eigen::VectorXd own = J.completeOrthogonalDecomposition()
                                         .solve(fitted.residual)
                                         .tail(static_cast<Eigen::Index>(likelihood.runs()));
-        const auto valueOf = [&](double by) {
-            Eigen::VectorXd x = fitted.x;
-            x[i] += by;
-            return toPhysical(v.scalar(i).scale, v.at(x).nominal[static_cast<std::size_t>(i)]);
+        const Scalar& number = v.scalar(i);
+        const auto valueOf = [&](double by) { // beyond the interval, too
+            return toPhysical(number.scale, number.value + (fitted.x[i] + by) * number.step);
         };
-        out.number = v.scalar(i).name;
-        out.unit = v.scalar(i).unit;
+        out.number = number.name;
+        out.unit = number.unit;
         out.values.clear();
         for (std::size_t r = 0; r < likelihood.runs(); ++r)
             out.values.emplace_back(likelihood.data().runs[r].name, valueOf(own[static_cast<Eigen::Index>(r)]));

@@ -88,9 +88,9 @@ struct GameWorld {
 
     FrameReport begin(double dt = kFrame) {
         const FrameReport r = shells.pre_step(dt);
+        INFO(r.failure << r.why);
         if (r.unconverged == 0)
             CHECK(r.energy_gained == 0.0);
-        INFO(r.failure);
         REQUIRE(r.failure.empty());
         return r;
     }

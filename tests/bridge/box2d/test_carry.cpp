@@ -160,8 +160,8 @@ enum class End { World, Body, Shell };
 void playFramesOfAnyLength(Quality quality, double units, JointKind kind, End end, unsigned seed) {
     CAPTURE(static_cast<int>(quality), units, static_cast<int>(kind), static_cast<int>(end), seed);
     GameWorld g(quality, {.scale = units, .density = 20.0F, .friction = 0.6F});
-    g.world.SetWarmStarting(
-        false); // Box2D multiplies the impulses of its last step by the ratio of the steps, up to 1e7
+    // Box2D multiplies the impulses of its last step by the ratio of the steps, up to 1e7.
+    g.world.SetWarmStarting(false);
     g.floor();
     b2Body* crate = g.box(0.0F, 0.5F, 1.4F, 0.2F, b2_dynamicBody);
     JointDef j;
@@ -184,7 +184,9 @@ void playFramesOfAnyLength(Quality quality, double units, JointKind kind, End en
         REQUIRE(g.shells.create_pin(j.shell, 0.0));
     std::mt19937 random(seed);
     for (int i = 0; i < 30; ++i) {
-        g.frame(std::pow(10.0, -7.0 * static_cast<double>(random()) / 4294967295.0)); // no frame may raise the alarm
+        const double dt = std::pow(10.0, -7.0 * static_cast<double>(random()) / 4294967295.0);
+        CAPTURE(i, dt);
+        g.frame(dt); // no frame may raise the alarm
         CHECK(g.shells.events().quarantined.empty());
     }
 }

@@ -88,12 +88,21 @@ bool solvedThroughout(const Body& b, double advanced) {
 
 } // namespace
 
-double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body) {
+double farthestPoint(const World& world, const std::vector<BodyOutline>& outlines, BodyId body) {
     double reach = 0.0;
     for (const BodyOutline& o : outlines)
         if (o.body == body)
             for (const Vec2& p : o.local.points)
                 reach = std::max(reach, p.norm() + o.local.radius);
+    for (const Link& l : world.links)
+        if (l.end == LinkEnd::Body && l.body == body)
+            reach = std::max(reach, l.local.norm());
+    for (const HostContact& c : world.constraints.contacts) {
+        if (c.a == body)
+            reach = std::max(reach, c.armA.norm());
+        if (c.b == body)
+            reach = std::max(reach, c.armB.norm());
+    }
     return reach;
 }
 
@@ -165,12 +174,12 @@ void reconcilePoses(World& world, const PairFilter& filter, Port& port, double a
         const double h = b.thicknessNear;
         const Vec2 astray = advanced * unsolved[i].velocity;
         const double turned = advanced * unsolved[i].spin;
-        if (astray.norm() + std::abs(turned) * farthestPoint(world.outlines, b.id) > kAtRest * h) {
+        if (astray.norm() + std::abs(turned) * farthestPoint(world, world.outlines, b.id) > kAtRest * h) {
             port.place(b.id, b.hostCoupling.seen.centre - astray, b.hostCoupling.seen.angle - turned);
             (void)port.state(b.id, b.hostCoupling.seen); // it answered in this frame
         }
         const BodyState& seen = b.hostCoupling.seen;
-        const double reach = farthestPoint(world.outlines, b.id);
+        const double reach = farthestPoint(world, world.outlines, b.id);
         const double off = (seen.centre - b.state.centre).norm() + std::abs(seen.angle - b.state.angle) * reach;
         const double way = b.hostCoupling.travel.norm() + std::abs(b.hostCoupling.turn) * reach;
         if (off > hostRounding(b.state, reach) && off <= kAtRest * h && way <= kAtRest * h) {

@@ -34,8 +34,9 @@ struct HostCouplingWork {
     std::vector<BodyOutline> strayOutlines;
 };
 
-/// Distance of a body's farthest point from its centre of mass, m.
-double farthestPoint(const std::vector<BodyOutline>& outlines, BodyId body);
+/// Distance from a body's centre of mass of its farthest point in these outlines, joints and contacts, m. A joint may
+/// hold a body none of whose outlines is near a shell.
+double farthestPoint(const World& world, const std::vector<BodyOutline>& outlines, BodyId body);
 
 /// How well a host that uses floats knows the place of a body whose points are up to `reach` m from its centre, m.
 double hostRounding(const BodyState& state, double reach);

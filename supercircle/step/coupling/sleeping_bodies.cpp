@@ -126,7 +126,7 @@ void wakeWoken(World& world, const Port& port, double advanced, HostCouplingWork
 
 bool isStruck(const World& world, const Settings& settings, const Body& b, const Vec2& velocity, double spin,
               double advanced) {
-    const double reach = farthestPoint(world.outlines, b.id);
+    const double reach = farthestPoint(world, world.outlines, b.id);
     const double way = (velocity.norm() + std::abs(spin) * reach) * std::max(settings.sleepAfter, advanced);
     return !(way <= settings.sleepDrift * b.thicknessNear);
 }
@@ -134,7 +134,7 @@ bool isStruck(const World& world, const Settings& settings, const Body& b, const
 namespace {
 
 void measureRest(const World& world, const Settings& settings, double dt, Body& b) {
-    const double reach = farthestPoint(world.outlines, b.id);
+    const double reach = farthestPoint(world, world.outlines, b.id);
     const double way = (b.state.centre - b.stillCentre).norm() + std::abs(b.state.angle - b.stillAngle) * reach;
     const bool stayed = b.stillTime > 0.0 && way <= settings.sleepDrift * b.thicknessNear;
     if (!stayed) {

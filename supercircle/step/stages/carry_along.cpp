@@ -19,7 +19,7 @@ bool samePlace(const BodyState& a, const BodyState& b) {
 bool isMoved(const World& world, const Body& old, const BodyState& now) {
     if (now.mass > 0.0 && now.enabled)
         return old.yields() && old.hostCoupling.known && !samePlace(now, old.hostCoupling.seen);
-    return !old.dynamic && isJump(old.state, now, thinnest(world), farthestPoint(world.outlines, old.id));
+    return !old.dynamic && isJump(old.state, now, thinnest(world), farthestPoint(world, world.outlines, old.id));
 }
 
 /// The rods that joints tie to rod `first`, itself included, sorted; empty if something besides `body` ties them too.

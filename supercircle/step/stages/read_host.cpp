@@ -54,10 +54,12 @@ void carryOver(const Body& old, double frame, const GapClosing& closing, double 
         const double turn = now.angle - old.state.angle;
         if (way.norm() + std::abs(turn) * reach > hostRounding(old.state, reach)) { // a rounding is no way
             h.drift = (way - closing.left(way, frame)) / frame;
-            h.driftSpin = (turn - closing.left(reach * turn, frame) / std::max(reach, 1e-300)) / frame;
+            if (reach > 0.0)
+                h.driftSpin = (turn - closing.left(reach * turn, frame) / reach) / frame;
         }
         b.state.centre = old.state.centre;
-        b.state.angle = old.state.angle;
+        if (reach > 0.0) // nobody sees how another one is turned
+            b.state.angle = old.state.angle;
     }
 }
 
@@ -143,7 +145,7 @@ void readBodies(const World& world, const Port& port, const Settings& settings, 
                 continue;
         }
         b.dynamic = b.state.mass > 0.0 && b.state.enabled && !b.driven;
-        const double reach = farthestPoint(reading.outlines, id);
+        const double reach = farthestPoint(world, reading.outlines, id);
         b.thicknessNear = thicknessNear(world, settings, reading.regions, b, reach, frame);
         if (const int index = bodyIndex(world, id); index >= 0) {
             const Body& old = world.bodies[static_cast<std::size_t>(index)];

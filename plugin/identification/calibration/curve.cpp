@@ -116,9 +116,7 @@ CurveResult frictionFromCurve(const experiment::Experiment& stated, const CurveS
             settings.progress(
                 1.0 - 1.0 / (1.0 + static_cast<double>(done) / (40.0 * static_cast<double>(e.runs.size()))), "fitting");
     };
-    ParameterPoint at;
-    for (const diagnosis::Scalar& s : model.nominal())
-        at.nominal.push_back(s.value);
+    ParameterPoint at = diagnosis::statedPoint(model);
     FitResult fit;
     std::unique_ptr<Likelihood> likelihood;
     for (int round = 0; round < 2; ++round) { // the second round uses the model error near the fit

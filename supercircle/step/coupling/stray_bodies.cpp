@@ -148,8 +148,9 @@ void putBackStrays(World& world, const PairFilter& filter, Port& port, HostCoupl
             continue;
         const int index = bodyIndex(world, s.body);
         Body* copy = index >= 0 ? &world.bodies[static_cast<std::size_t>(index)] : nullptr;
-        from.centre = copy != nullptr && copy->hostCoupling.known ? copy->state.centre : s.centre;
-        from.angle = copy != nullptr && copy->hostCoupling.known ? copy->state.angle : s.angle;
+        const bool known = copy != nullptr && copy->hostCoupling.known;
+        from.centre = known ? copy->state.centre : s.centre;
+        from.angle = known ? copy->state.angle : s.angle;
         const double share = freeShare(world, {first, last}, from, now, filter, work);
         if (share >= 1.0)
             continue;

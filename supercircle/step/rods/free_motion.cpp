@@ -47,6 +47,7 @@ private:
     [[nodiscard]] double errorOf(double tau);
     [[nodiscard]] double vibration(std::size_t stage);
     [[nodiscard]] double holdWork(std::size_t i, double start, double size, double tau);
+    [[nodiscard]] double mouseWork(std::size_t i, double tau);
     [[nodiscard]] bool gains(double start, double size, double tau, double energy);
     void takeRod(std::size_t i, double start, double size, double tau);
     void measureWay();
@@ -118,10 +119,8 @@ bool FreeMotion::begin() {
 /// @param energy at its end, J
 bool FreeMotion::gains(double start, double size, double tau, double energy) {
     double given = 0.0;
-    for (std::size_t i = 0; i < system_.size(); ++i) {
-        const auto& stages = system_.free(i).stages;
-        given += holdWork(i, start, size, tau) + tau * (kExtrapolate * stages[0].mousePower + stages[1].mousePower);
-    }
+    for (std::size_t i = 0; i < system_.size(); ++i)
+        given += holdWork(i, start, size, tau) + mouseWork(i, tau);
     for (const FreeJoint& j : g_.joints)
         given += kExtrapolate * j.stages[0].given + j.stages[1].given;
     const double gained = energy - energy_ - given;
@@ -227,6 +226,12 @@ double FreeMotion::holdWork(std::size_t i, double start, double size, double tau
     return work;
 }
 
+/// Of its mouse joints in a step of its own, J.
+double FreeMotion::mouseWork(std::size_t i, double tau) {
+    const auto& stages = system_.free(i).stages;
+    return tau * (kExtrapolate * stages[0].mousePower + stages[1].mousePower);
+}
+
 /// What one rod took in the step of its own from `start` s on.
 void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
     const Rod& rod = system_.rod(i);
@@ -235,13 +240,13 @@ void FreeMotion::takeRod(std::size_t i, double start, double size, double tau) {
     f.least = std::min(f.least, leastBending(model, f, size));
     const double viscosity = viscosityOf(rod);
     f.holdWork += holdWork(i, start, size, tau);
+    f.mouseWork += mouseWork(i, tau);
     for (int stage = 0; stage < 2; ++stage) {
         const FreeStage& s = f.stages[static_cast<std::size_t>(stage)];
         const double weight = stage == 0 ? kExtrapolate : 1.0; // times tau
         if (viscosity > 0.0)
             f.damped += weight * tau * viscosity * rod::bendingForm(model, s.v);
         f.airTaken += weight * tau * s.airPower;
-        f.mouseWork += weight * tau * s.mousePower;
     }
     takeMaterial(rod, start, size, f);
 }

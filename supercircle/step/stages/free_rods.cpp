@@ -69,8 +69,8 @@ bool holdsAreClosed(const World& world, const Rod& rod, RodWork& w) {
 /// there, and to first order the rows of its holds depend on each other: free motion takes thousands of steps of its
 /// own. In the ordinary step it lies still.
 bool isTaut(const Rod& rod) {
-    // Of the arc: a sag of 0.2 % of it. Tenfold takes shells into the first order that hang through by 0.6 %; a tenth
-    // leaves free motion in steps a hundred times as many where a game's strip has given way a little.
+    // Of the arc: a sag of 0.2 % of it. With a tenth, a strip of 1e-5 slack takes 2 to 20 times the work; tenfold puts
+    // strips that hang through by 0.6 % into first order, at a tenth of the work.
     constexpr double kTaut = 1e-5;
     const double element = rod.model.definition().length / rod.model.elements();
     for (std::size_t i = 0; i < rod.holds.size(); ++i)

@@ -80,6 +80,33 @@ inline bool sameBits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
            std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(double)) == 0;
 }
 
+/// A straight strip of 1 m and 1 kg. Its first mode is at 3.6 Hz times the root of the modulus.
+inline rod::RodDefinition metreStrip(double modulus) {
+    rod::RodDefinition d;
+    d.length = 1.0;
+    d.thickness = 0.02;
+    d.linearMass = 1.0;
+    d.bendingModulus = modulus;
+    d.naturalCurvature.assign(6, 0.0);
+    return d;
+}
+
+/// Kinetic, of bending and gravity, J.
+inline double mechanicalEnergy(const step::World& w) {
+    double e = 0.0;
+    for (const step::Rod& r : w.rods)
+        e += rod::kineticEnergy(r.gauss, r.u) + rod::bendingEnergy(r.model, r.q) -
+             r.model.mass() * w.gravity.dot(centre(r));
+    return e;
+}
+
+/// One frame without a host that must not bring in energy.
+inline void quietFrame(step::Stepper& s, step::World& w, double dt = 1.0 / 60.0) {
+    const step::FrameResult out = s.advance(w, dt, nullptr, std::function<bool(const step::World&)>{});
+    REQUIRE(out.failure.empty());
+    CHECK(out.gained == 0.0);
+}
+
 /// Everything physical of two worlds agrees to the last bit.
 inline bool sameState(const step::World& a, const step::World& b) {
     bool same = a.rods.size() == b.rods.size() && a.time == b.time && a.dtNext == b.dtNext &&

@@ -16,17 +16,6 @@ step::Settings settingsOfJoints(bool game) {
     return s;
 }
 
-/// A strip of 1 m and 1 kg that bends next to nothing.
-rod::RodDefinition stiffStrip(double modulus = 1e3) {
-    rod::RodDefinition d;
-    d.length = 1.0;
-    d.thickness = 0.02;
-    d.linearMass = 1.0;
-    d.bendingModulus = modulus;
-    d.naturalCurvature.assign(6, 0.0);
-    return d;
-}
-
 step::Link linkOf(step::World& w, std::size_t rod, double s, step::LinkKind kind = step::LinkKind::Pin) {
     step::Link l;
     l.key = w.nextPart++;
@@ -43,7 +32,7 @@ step::World chain(int strips, double angle, step::LinkKind kind = step::LinkKind
                   double modulus = 1e3) {
     step::World w;
     w.gravity = {0.0, -kG};
-    const rod::RodDefinition d = stiffStrip(modulus);
+    const rod::RodDefinition d = metreStrip(modulus);
     const Vec2 along(std::sin(angle), -std::cos(angle));
     for (int i = 0; i < strips; ++i) {
         const std::size_t k = put(w, d, (0.5 + i) * along, angle - 0.5 * M_PI, 0.3);
@@ -59,14 +48,6 @@ step::World chain(int strips, double angle, step::LinkKind kind = step::LinkKind
         w.links.push_back(l);
     }
     return w;
-}
-
-double energyOf(const step::World& w) {
-    double e = 0.0;
-    for (const step::Rod& r : w.rods)
-        e += rod::kineticEnergy(r.gauss, r.u) + rod::bendingEnergy(r.model, r.q) -
-             r.model.mass() * w.gravity.dot(rod::massCentre(r.kin, r.gauss));
-    return e;
 }
 
 double angularMomentum(const step::World& w) {
@@ -92,13 +73,6 @@ double widestGap(const step::World& w) {
     return gap;
 }
 
-/// One frame that must not bring in energy.
-void quietFrame(step::Stepper& s, step::World& w) {
-    const step::FrameResult out = s.advance(w, kFrame, nullptr, std::function<bool(const step::World&)>{});
-    REQUIRE(out.failure.empty());
-    CHECK(out.gained == 0.0);
-}
-
 } // namespace
 
 TEST_CASE("joined strips keep swinging and gain nothing", "[step][joints]") {
@@ -110,15 +84,15 @@ TEST_CASE("joined strips keep swinging and gain nothing", "[step][joints]") {
         INFO((game ? "game" : "laboratory")
              << ", strips " << strips << ", kind " << static_cast<int>(kind) << ", angle " << angle);
         step::World w = chain(strips, angle, kind);
-        const double least = energyOf(chain(strips, 0.0, kind)), before = energyOf(w);
+        const double least = mechanicalEnergy(chain(strips, 0.0, kind)), before = mechanicalEnergy(w);
         step::Stepper stepper(settingsOfJoints(game));
         double most = 0.0, gap = 0.0;
         for (int i = 0; i < static_cast<int>(1000.0 * std::sqrt(strips)); ++i) {
             quietFrame(stepper, w);
-            most = std::max(most, (energyOf(w) - least) / (before - least));
+            most = std::max(most, (mechanicalEnergy(w) - least) / (before - least));
             gap = std::max(gap, widestGap(w));
         }
-        const double left = (energyOf(w) - least) / (before - least);
+        const double left = (mechanicalEnergy(w) - least) / (before - least);
         CHECK(left > (game ? 0.90 : 0.98));
         CHECK(most < 1.0 + 1e-3);
         CHECK(gap < 1e-7); // m, of strips of 1 m: what the projection leaves, and a thousandth of what is drawn
@@ -221,12 +195,12 @@ TEST_CASE("strips that spin about a pin keep their angular momentum", "[step][jo
         step::placeRod(w, i, r.q, v);
     }
     step::Stepper stepper(settingsOfJoints(game));
-    const double before = angularMomentum(w), energy = energyOf(w);
+    const double before = angularMomentum(w), energy = mechanicalEnergy(w);
     const Vec2 drift = momentum(w);
     for (int i = 0; i < 600; ++i)
         quietFrame(stepper, w);
     CHECK(angularMomentum(w) == Approx(before).epsilon(game ? 0.02 : 1e-4));
-    CHECK(energyOf(w) < energy * (1.0 + 1e-3));
+    CHECK(mechanicalEnergy(w) < energy * (1.0 + 1e-3));
     if (!tied)
         CHECK((momentum(w) - drift).norm() < 1e-9 * drift.norm());
 }
@@ -237,7 +211,7 @@ TEST_CASE("a joint that breaks lets the strip go as it moves", "[step][joints]")
     step::World w = chain(1, 1.5);
     w.links[0].maxForce = 15.0;
     step::Stepper stepper(settingsOfJoints(game));
-    const double before = energyOf(w), least = energyOf(chain(1, 0.0));
+    const double before = mechanicalEnergy(w), least = mechanicalEnergy(chain(1, 0.0));
     bool broke = false;
     double spin = 0.0;
     const auto aboutCentre = [&] { return angularMomentum(w) - rod::cross(centre(w.rods[0]), momentum(w)); };
@@ -245,7 +219,7 @@ TEST_CASE("a joint that breaks lets the strip go as it moves", "[step][joints]")
         const step::FrameResult out = stepper.advance(w, kFrame, nullptr, std::function<bool(const step::World&)>{});
         REQUIRE(out.failure.empty());
         CHECK(out.gained == 0.0);
-        CHECK(std::abs(energyOf(w) - before) < (game ? 1e-2 : 1e-3) * (before - least));
+        CHECK(std::abs(mechanicalEnergy(w) - before) < (game ? 1e-2 : 1e-3) * (before - least));
         if (w.links.empty() && !broke)
             spin = aboutCentre();
         broke = w.links.empty();
@@ -258,20 +232,20 @@ TEST_CASE("a tether goes slack and taut and brings in nothing", "[step][joints]"
     const bool game = GENERATE(false, true);
     step::World w;
     w.gravity = {0.0, -kG};
-    put(w, stiffStrip(), {0.3, 0.0}, 0.0, 0.3);
+    put(w, metreStrip(1e3), {0.3, 0.0}, 0.0, 0.3);
     step::Link l = linkOf(w, 0, 0.2, step::LinkKind::Tether);
     l.target.point = {0.0, 0.4};
     l.length = l.goal = 0.8;
     w.links.push_back(l);
     step::Stepper stepper(settingsOfJoints(game));
-    double energy = energyOf(w), gap = 0.0;
+    double energy = mechanicalEnergy(w), gap = 0.0;
     const double least = -0.7 * kG; // hanging straight down: 0.8 m less 0.4 m, and 0.3 m to its middle
     const double allowed = 1e-3 * (energy - least);
     int taut = 0, slack = 0;
     for (int i = 0; i < 900; ++i) {
         quietFrame(stepper, w);
-        CHECK(energyOf(w) < energy + allowed);
-        energy = std::min(energy, energyOf(w));
+        CHECK(mechanicalEnergy(w) < energy + allowed);
+        energy = std::min(energy, mechanicalEnergy(w));
         gap = std::max(gap, widestGap(w));
         (w.links[0].force.isZero(0.0) ? slack : taut) += 1;
     }

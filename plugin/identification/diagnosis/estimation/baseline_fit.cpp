@@ -98,9 +98,7 @@ public:
         constexpr double kNothingBetter = 1.3; // chi-squared per reading that no other start improves
         constexpr double kFarOff = 4.0;        // chi-squared per reading that suggests another branch
         stage_(0.02, "baseline fit");
-        ParameterPoint at;
-        for (const Scalar& s : evaluator_.model().nominal())
-            at.nominal.push_back(s.value);
+        ParameterPoint at = statedPoint(evaluator_.model());
         evaluator_.checkCache(at, Fidelity::Coarse);
         for (int round = 0; round < 2; ++round) {
             if (!fitFrom(at))

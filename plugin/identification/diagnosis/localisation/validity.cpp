@@ -1,6 +1,7 @@
 #include "plugin/identification/diagnosis/localisation/validity.h"
 
 #include "plugin/identification/diagnosis/box_qp.h"
+#include "plugin/identification/diagnosis/estimation/beside_stated.h"
 #include "plugin/identification/diagnosis/estimation/progressive_fit.h"
 #include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/localisation/localise.h"
@@ -24,25 +25,23 @@ constexpr int kLengths = 12; ///< of the part in which it is sought
 /// third; twice as much takes in more of a law that no offset, ramp or parabola has.
 constexpr double kClear = 100.0;
 constexpr double kInterval = 2.71; ///< decrease of the gain at the ends of a 90 % interval
-constexpr double kDifference = 0.2;
 
 /// A run alone, with simulations at the stated numbers and beside them.
 class RunAlone {
 public:
-    RunAlone(Evaluator& evaluator, const Likelihood& all, std::size_t run, std::vector<Response> finer,
-             std::uint64_t seed)
-        : evaluator_(evaluator), all_(all), run_(run), finer_(std::move(finer)), seed_(seed), data_(all.data()),
-          point_(stated(evaluator.model())), variables_(evaluator.model(), point_),
-          x_(Eigen::VectorXd::Zero(variables_.size())) {
+    /// @param finer than the fine simulation, of this run
+    RunAlone(Evaluator& evaluator, const Likelihood& all, std::size_t run, const Variables& variables,
+             const BesideStated& stated, Response finer, std::uint64_t seed)
+        : evaluator_(evaluator), all_(all), run_(run), variables_(variables), stated_(stated), finer_(std::move(finer)),
+          seed_(seed), data_(all.data()), x_(Eigen::VectorXd::Zero(variables.size())), there_(stated.fine[run]) {
         data_.runs = {all.data().runs[run]};
-        simulate();
     }
 
     ValidRange range() {
         ValidRange out;
         out.run = data_.runs[0].name;
         const Index n = data_.runs[0].time.size();
-        if (!usable_ || n < 2)
+        if (!there_.failure.empty() || n < 2)
             return out;
         out.known = true;
         Index rows = explained(n, out.whole);
@@ -52,7 +51,7 @@ public:
             if (std::abs(rows - before) <= std::max<Index>(1, n / 100))
                 break;
         }
-        out.until = at(rows - 1);
+        out.until = out.departs = out.departsFrom = out.departsTo = at(rows - 1);
         if (!out.whole)
             place(rows, out);
         return out;
@@ -67,26 +66,6 @@ private:
         Eigen::MatrixXd jacobian;
     };
 
-    static ParameterPoint stated(const Model& model) {
-        ParameterPoint p;
-        for (const Scalar& s : model.nominal())
-            p.nominal.push_back(s.value);
-        return p;
-    }
-
-    void simulate() {
-        std::vector<SimulationRequest> requests{{run_, point_, Fidelity::Fine}};
-        for (Index i = 0; i < variables_.size(); ++i)
-            for (const double side : {kDifference, -kDifference}) {
-                Eigen::VectorXd x = x_;
-                x[i] = std::clamp(side, variables_.lower[i], variables_.upper[i]);
-                requests.push_back({run_, variables_.at(x), Fidelity::Coarse});
-                beside_.push_back(x[i]);
-            }
-        answers_ = evaluator_.simulate(requests);
-        usable_ = answers_[0].failure.empty();
-    }
-
     [[nodiscard]] std::optional<Beginning> beginning(Index rows) const {
         const Eigen::VectorXd& time = data_.runs[0].time;
         const double length = time[time.size() - 1] - time[0];
@@ -95,19 +74,18 @@ private:
         const double until = rows < time.size() ? 0.5 * (time[rows - 1] + time[rows]) : time[time.size() - 1];
         b.data = std::make_unique<RecordedData>(
             firstPart(data_, rows < time.size() ? (until - time[0]) / length : 1.0 + 1e-9));
-        b.likelihood = std::make_unique<Likelihood>(*b.data, all_.noise(), std::vector<Response>{answers_[0]},
-                                                    std::vector<Response>{finer_[run_]}, all_.settings());
-        auto residual = b.likelihood->residual({answers_[0]});
+        b.likelihood = std::make_unique<Likelihood>(*b.data, all_.noise(), std::vector<Response>{there_},
+                                                    std::vector<Response>{finer_}, all_.settings());
+        auto residual = b.likelihood->residual({there_});
         if (!residual)
             return std::nullopt;
         b.residual = std::move(*residual);
         b.jacobian = Eigen::MatrixXd::Zero(b.likelihood->rows(), variables_.size());
         for (Index i = 0; i < variables_.size(); ++i) {
-            const auto up = static_cast<std::size_t>(2 * i), down = up + 1;
-            const double span = beside_[up] - beside_[down];
-            const auto change = b.likelihood->whitenedDifference({answers_[up + 1]}, {answers_[down + 1]});
-            if (change && span > 0.0)
-                b.jacobian.col(i) = *change / span;
+            const auto k = static_cast<std::size_t>(i);
+            const auto change = b.likelihood->whitenedDifference({stated_.up[k][run_]}, {stated_.down[k][run_]});
+            if (change && stated_.span[i] > 0.0)
+                b.jacobian.col(i) = *change / stated_.span[i];
         }
         return b;
     }
@@ -164,7 +142,7 @@ private:
             x_ -= to;
             return false;
         }
-        answers_[0] = std::move(there);
+        there_ = std::move(there);
         return true;
     }
 
@@ -234,28 +212,24 @@ private:
     Evaluator& evaluator_;
     const Likelihood& all_;
     std::size_t run_;
-    std::vector<Response> finer_;
+    const Variables& variables_;
+    const BesideStated& stated_;
+    Response finer_;
     std::uint64_t seed_;
     RecordedData data_;
-    ParameterPoint point_;
-    Variables variables_;
-    Eigen::VectorXd x_;             ///< where answers_[0] is simulated
-    std::vector<Response> answers_; ///< there, then at the stated numbers with each moved up and down
-    std::vector<double> beside_;    ///< by so much
-    bool usable_ = false;
+    Eigen::VectorXd x_; ///< where `there_` is simulated
+    Response there_;
 };
 
 } // namespace
 
 std::vector<ValidRange> rangesOfValidity(Evaluator& evaluator, const Likelihood& likelihood, std::uint64_t seed) {
-    ParameterPoint stated;
-    for (const Scalar& s : evaluator.model().nominal())
-        stated.nominal.push_back(s.value);
-    const std::vector<Response> finer =
-        likelihood.finerThan(evaluator.simulateAllRuns({stated}, Fidelity::Fine).front());
+    const Variables variables(evaluator.model(), statedPoint(evaluator.model()));
+    const BesideStated stated = simulateBesideStated(evaluator, variables);
+    const std::vector<Response> finer = likelihood.finerThan(stated.fine);
     std::vector<ValidRange> out;
     for (std::size_t r = 0; r < likelihood.runs(); ++r)
-        out.push_back(RunAlone(evaluator, likelihood, r, finer, seed).range());
+        out.push_back(RunAlone(evaluator, likelihood, r, variables, stated, finer[r], seed).range());
     return out;
 }
 

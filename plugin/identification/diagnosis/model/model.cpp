@@ -34,4 +34,11 @@ double toInternal(Scale scale, double x) {
     return x;
 }
 
+ParameterPoint statedPoint(const Model& model) {
+    ParameterPoint point;
+    for (const Scalar& s : model.nominal())
+        point.nominal.push_back(s.value);
+    return point;
+}
+
 } // namespace supercircle::diagnosis

@@ -194,4 +194,7 @@ public:
     [[nodiscard]] virtual std::string identity() const = 0;
 };
 
+/// All nominal parameters as stated, without an effect.
+[[nodiscard]] ParameterPoint statedPoint(const Model& model);
+
 } // namespace supercircle::diagnosis

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/result/report_values.h"
 
+#include "plugin/identification/diagnosis/estimation/beside_stated.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -259,35 +261,23 @@ std::vector<RunCurves> presentCurves(const Likelihood& likelihood, const FitResu
 void addStatedBand(Evaluator& evaluator, const Likelihood& likelihood, std::vector<RunCurves>& curves) {
     if (likelihood.data().free)
         return;
-    constexpr double kDifference = 0.2, kNormal = 1.645; // as the fit has it, so that nothing new is simulated
-    ParameterPoint stated;
-    for (const Scalar& s : evaluator.model().nominal())
-        stated.nominal.push_back(s.value);
-    const Variables v(evaluator.model(), stated);
-    std::vector<ParameterPoint> points;
-    for (Index i = 0; i < v.size(); ++i)
-        for (const double side : {kDifference, -kDifference}) {
-            Eigen::VectorXd x = Eigen::VectorXd::Zero(v.size());
-            x[i] = std::clamp(side, v.lower[i], v.upper[i]);
-            points.push_back(v.at(x));
-        }
-    const std::vector<Response> middle = evaluator.simulateAllRuns({stated}, Fidelity::Fine).front();
-    const auto beside = evaluator.simulateAllRuns(points, Fidelity::Coarse);
+    constexpr double kNormal = 1.645; // standard deviations of 90 %
+    const Variables v(evaluator.model(), statedPoint(evaluator.model()));
+    const BesideStated stated = simulateBesideStated(evaluator, v);
     for (std::size_t r = 0; r < curves.size(); ++r) {
-        const Index n = middle[r].force.size();
-        if (!middle[r].failure.empty() || n != static_cast<Index>(curves[r].time.size()))
+        const Eigen::VectorXd& middle = stated.fine[r].force;
+        if (!stated.fine[r].failure.empty() || middle.size() != static_cast<Index>(curves[r].time.size()))
             continue;
-        Eigen::VectorXd spread = Eigen::VectorXd::Zero(n);
+        Eigen::VectorXd spread = Eigen::VectorXd::Zero(middle.size());
         for (Index i = 0; i < v.size(); ++i) {
-            const auto at = static_cast<std::size_t>(2 * i);
-            const Eigen::VectorXd &up = beside[at][r].force, &down = beside[at + 1][r].force;
-            const double span = std::min(kDifference, v.upper[i]) - std::max(-kDifference, v.lower[i]);
+            const auto k = static_cast<std::size_t>(i);
+            const Eigen::VectorXd &up = stated.up[k][r].force, &down = stated.down[k][r].force;
             const double reach = std::min({v.upper[i], -v.lower[i], v.scalar(i).precision > 0.0 ? kNormal : 1.0});
-            if (up.size() == n && down.size() == n && span > 0.0)
-                spread += reach / span * (up - down).cwiseAbs();
+            if (up.size() == middle.size() && down.size() == middle.size() && stated.span[i] > 0.0)
+                spread += reach / stated.span[i] * (up - down).cwiseAbs();
         }
-        curves[r].statedLow = list(middle[r].force - spread);
-        curves[r].statedHigh = list(middle[r].force + spread);
+        curves[r].statedLow = list(middle - spread);
+        curves[r].statedHigh = list(middle + spread);
     }
 }
 

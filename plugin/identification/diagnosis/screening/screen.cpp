@@ -197,16 +197,14 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
     if (!likelihood.data().free || share != 1.0)
         return all;
     // Tenths of what throws a swing out of phase, whose whole change says nothing of a smaller one.
-    constexpr double kTenth = 0.1, kLeast = 1e-3;
+    constexpr double kTenth = 0.1;
+    constexpr int kTimes = 3;
     constexpr double kOutOfPhase = 5.0; // noise units of a reading; half of it simulates more probes twice
     const double limit = kOutOfPhase * std::sqrt(static_cast<double>(likelihood.countedRows()));
     std::vector<ScreenedProbe> large = all;
     double part = 1.0;
-    const auto inPhase = [&](const ScreenedProbe& s) { return !(s.norm * part > limit); };
-    while (part > kLeast * 1.5) {
-        large.erase(std::remove_if(large.begin(), large.end(), inPhase), large.end());
-        if (large.empty())
-            break;
+    for (int times = 0; times < kTimes; ++times) {
+        std::erase_if(large, [&](const ScreenedProbe& s) { return !(s.norm * part > limit); });
         part *= kTenth;
         points.clear();
         for (ScreenedProbe& s : large) {

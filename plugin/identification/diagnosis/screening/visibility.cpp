@@ -44,9 +44,7 @@ Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator&
     Visibility out;
     const Model& model = evaluator.model();
     const std::vector<Scalar>& nominal = model.nominal();
-    ParameterPoint stated;
-    for (const Scalar& s : nominal)
-        stated.nominal.push_back(s.value);
+    const ParameterPoint stated = statedPoint(model);
     // Half of a half-width: nonlinear where phases turn, so that free runs take a twentieth.
     const double share = data.free ? 0.05 : 0.5;
     std::vector<ParameterPoint> points = {stated};

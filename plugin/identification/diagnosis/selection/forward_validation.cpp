@@ -37,8 +37,7 @@ FitResult fitToBeginning(Evaluator& evaluator, const Likelihood& likelihood, con
     if (best.failure.empty() && (beginning.freeShells || chiSquaredPerReading(part, best) <= kNoise))
         return best;
     ParameterPoint stated = fitted.point;
-    for (std::size_t i = 0; i < stated.nominal.size(); ++i)
-        stated.nominal[i] = evaluator.model().nominal()[i].value;
+    stated.nominal = statedPoint(evaluator.model()).nominal;
     given.progressive = true;
     given.competitor = best.failure.empty() ? best.chiSquared : 0.0;
     FitResult other = fit(evaluator, part, stated, given);

@@ -58,8 +58,7 @@ double penalisedChiSquared(const FittedHypothesis& t) {
 
 /// The stated nominal parameters with the terms of a point.
 ParameterPoint fromStated(const Model& model, ParameterPoint point) {
-    for (std::size_t i = 0; i < model.nominal().size(); ++i)
-        point.nominal[i] = model.nominal()[i].value;
+    point.nominal = statedPoint(model).nominal;
     return point;
 }
 

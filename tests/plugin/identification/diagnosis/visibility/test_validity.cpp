@@ -2,6 +2,7 @@
 
 #include "tests/plugin/identification/diagnosis/toy.h"
 
+#include "plugin/identification/diagnosis/fit.h"
 #include "plugin/identification/diagnosis/localisation/validity.h"
 
 #include <catch2/catch.hpp>
@@ -111,4 +112,18 @@ TEST_CASE("a run that the stated intervals explain is valid to its end", "[diagn
             whole += r.known && r.whole ? 1 : 0;
     }
     CHECK(whole >= 26); // of 30 at p = 0.05: fewer happen in 4 % of such sets
+}
+
+TEST_CASE("the range of validity simulates a run twice at most behind a fit without an effect", "[diagnosis]") {
+    RecordedData data = toy::recordings(50);
+    const Begins model(data, Begins::Law::Yields, 0.005, 0.8);
+    toy::hide(data, model, {{0, {0.0}}});
+    SimulationCache cache;
+    Evaluator evaluator(model, data.runs.size(), {}, cache);
+    const auto there = evaluator.simulateAllRuns({statedPoint(model)}, Fidelity::Fine).front();
+    const Likelihood likelihood(data, estimateNoise(data), there, there, toy::exact().likelihood);
+    CHECK(fit(evaluator, likelihood, statedPoint(model)).failure.empty());
+    const std::size_t before = evaluator.distinctRequests();
+    CHECK(rangesOfValidity(evaluator, likelihood, 1).size() == data.runs.size());
+    CHECK(evaluator.distinctRequests() - before <= 2 * data.runs.size());
 }

@@ -62,7 +62,7 @@ Result<std::size_t> unwrap(const FileKind& kind, const std::vector<std::uint8_t>
 
 namespace {
 
-constexpr archive::FileKind kStateKind{"SCSTATE ", 16};
+constexpr archive::FileKind kStateKind{"SCSTATE ", 17};
 constexpr archive::FileKind kLogKind{"SCCALLS ", 4};
 
 /// Joints, what the host's joints do, and the numbers that the next part and the next sleeping island get.

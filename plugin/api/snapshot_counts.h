@@ -30,11 +30,11 @@ void io(Ar& ar, Is<step::Counters> auto& c) {
     auto& [steps, rejected, rejectedFor, solves, gaussSeidelIterations, pivots, unconverged, byAbsoluteFloor, crossings,
            quarantined, contactResidualMax, contactsMax, activeContactsMax, penetrationMax] = c;
     ar(steps, rejected);
-    for (std::size_t i = 0; i < rejectedFor.size(); ++i)
-        if (static_cast<step::Reason>(i) != step::Reason::StatusChange)
-            ar(rejectedFor[i]);
-    auto& statusChanges = rejectedFor[static_cast<std::size_t>(step::Reason::StatusChange)];
-    ioUnless(ar, statusChanges == 0, statusChanges); // quasi-static runs have none
+    const auto late = static_cast<std::size_t>(step::Reason::StatusChange);
+    for (std::size_t i = 0; i < late; ++i)
+        ar(rejectedFor[i]);
+    for (std::size_t i = late; i < rejectedFor.size(); ++i)
+        ioUnless(ar, rejectedFor[i] == 0, rejectedFor[i]); // quasi-static runs have none
     ar(solves, gaussSeidelIterations, pivots, unconverged, byAbsoluteFloor, crossings, quarantined, contactResidualMax,
        contactsMax, activeContactsMax, penetrationMax);
 }

@@ -10,19 +10,7 @@
 
 namespace supercircle::step {
 
-double gainedEnergy(const EnergyBalance& before, const World& world) {
-    const EnergyBalance& now = world.energyBalance;
-    const auto taken = [](const EnergyBalance& b) {
-        return b.friction + b.impact + b.numerical + b.positionCorrection + b.damping;
-    };
-    const double byEffects = std::max(0.0, now.effects - before.effects); // they may give what they stored
-    return std::max(0.0, taken(before) - taken(now) - byEffects);
-}
-
-double boundOfGain(const EnergyBalance& before, const World& world, const Settings& settings, double dt) {
-    // Twice as much hides a gain of 6 % a second, and of 60 % where overlaps part; half of it is met in no frame of
-    // ordinary play, but in a few of a million random calls.
-    constexpr double kShare = 1e-3, kShareOfOverlaps = 1e-2;
+double movedEnergy(const EnergyBalance& before, const World& world) {
     const EnergyBalance& now = world.energyBalance;
     double kinetic = 0.0, bending = 0.0; // the balance of an island begins at zero: it has their changes only
     for (const Rod& r : world.rods)
@@ -33,6 +21,23 @@ double boundOfGain(const EnergyBalance& before, const World& world, const Settin
     double moved = std::max({before.kinetic, now.kinetic, kinetic, kinetic - (now.kinetic - before.kinetic)}) +
                    std::max({before.bending, now.bending, bending, bending - (now.bending - before.bending)}) +
                    std::abs(now.work - before.work) + std::abs(now.toBodies - before.toBodies);
+    for (const Body& b : world.bodies)
+        if (b.dynamic)
+            moved += 0.5 * b.state.mass * b.state.velocity.squaredNorm() +
+                     0.5 * b.state.inertia * b.state.spin * b.state.spin;
+    return moved;
+}
+
+double gainedEnergy(const EnergyBalance& before, const World& world) {
+    const EnergyBalance& now = world.energyBalance;
+    const auto taken = [](const EnergyBalance& b) {
+        return b.friction + b.impact + b.numerical + b.positionCorrection + b.damping;
+    };
+    const double byEffects = std::max(0.0, now.effects - before.effects); // they may give what they stored
+    return std::max(0.0, taken(before) - taken(now) - byEffects);
+}
+
+double boundOfGain(const EnergyBalance& before, const World& world, const Settings& settings, double dt) {
     double rows = 0.0;
     const OverlapClosing overlaps = overlapClosing(settings, 1.0);
     const double parting = overlaps.fastest(settings.fixedDt);                         // h/s
@@ -60,11 +65,10 @@ double boundOfGain(const EnergyBalance& before, const World& world, const Settin
         if (b.dynamic) {
             const double speed = settings.recovery * b.thicknessNear;
             rows += 0.5 * b.state.mass * speed * speed;
-            moved += 0.5 * b.state.mass * b.state.velocity.squaredNorm() +
-                     0.5 * b.state.inertia * b.state.spin * b.state.spin;
         }
-    const double byOverlaps = now.injected.contact - before.injected.contact;
-    return kShare * moved + std::min(byOverlaps, kShareOfOverlaps * moved) + rows;
+    const double moved = movedEnergy(before, world);
+    const double byOverlaps = world.energyBalance.injected.contact - before.injected.contact;
+    return kGainShare * moved + std::min(byOverlaps, kGainShareOfOverlaps * moved) + rows;
 }
 
 } // namespace supercircle::step

@@ -7,6 +7,7 @@
 #include "supercircle/step/contacts/pair_vetoes.h"
 #include "supercircle/step/crush.h"
 #include "supercircle/step/energy_gain.h"
+#include "supercircle/step/gap_energy.h"
 #include "supercircle/step/islands/island.h"
 #include "supercircle/step/second_order.h"
 #include "supercircle/step/sleep.h"
@@ -303,6 +304,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     if (world.dtNext <= 0.0)
         world.dtNext = settings_.dtMax / 16.0;
     work_->last = &trial;
+    trial.stage.gaps = {};
     observer.begin(world);
     const double start = world.time;
     const EnergyBalance balance = world.energyBalance;
@@ -324,8 +326,12 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
         (void)before;
         Verdict verdict = judge(part, world.time - start, port, budget, out);
+        if (verdict == Verdict::Accept && judgeGaps(balance, settings_, world, trial)) {
+            countRejection(world, Reason::GapEnergy);
+            continue;
+        }
         bool secondOrder = false;
-        if (verdict == Verdict::Accept)
+        if (verdict == Verdict::Accept && !trial.stage.gaps.any())
             verdict = refine(part, world.time - start, port, budget, secondOrder);
         if (verdict == Verdict::Repeat)
             continue;
@@ -335,6 +341,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
             acceptSecondOrder(world, trial);
         else
             acceptStep(world, trial, times_);
+        endShares(world, trial);
         budget.accept();
         breakOverloaded(world, out.broken);
         if (settings_.autoSleep)
@@ -355,7 +362,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
     }
     out.work = budget.used();
     const double gained = gainedEnergy(balance, world);
-    if (gained > 0.0 && gained > boundOfGain(balance, world, settings_, frame))
+    if (gained > 0.0 && gained > boundOfGain(balance, world, settings_, frame) + trial.stage.gaps.lawfulWork)
         out.gained = gained;
     for (Rod& r : world.rods) {
         r.dtNext = world.dtNext;

@@ -23,7 +23,8 @@ const char* name(Reason reason) {
     static const char* const names[] = {
         "none",        "not_finite",     "solver_failed",      "unconverged",   "motion_too_large",
         "local_error", "runaway",        "candidates_too_few", "penetration",   "link_gap",
-        "crossing",    "outside_region", "sleeper_pressed",    "status_change", "count"};
+        "crossing",    "outside_region", "sleeper_pressed",    "status_change", "gap_energy",
+        "count"};
     return names[static_cast<int>(reason)];
 }
 

@@ -211,6 +211,7 @@ enum class Reason : std::uint8_t {
     OutsideRegion,    ///< a rod left the region whose outlines were read
     SleeperPressed,   ///< somebody pressed on a sleeping island, which is woken
     StatusChange,     ///< a contact of something in motion changed its status
+    GapEnergy,        ///< closing gaps would bring in more energy than they may in a frame; repeated leaving them open
     Count
 };
 /// As in the summary of a run: "not_finite" ...

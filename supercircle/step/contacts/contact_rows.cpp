@@ -111,9 +111,11 @@ void coupleOne(const World& world, const std::vector<RodWork>& rods, double dt, 
     const bool put = isOverlap(world, c.a.rod, c.b.rod, c.outline, false) || withinJoined(world, c.a.rod, c.outline) ||
                      coincide(world, c, gapAtStart);
     k.damping = put && deep && out.a >= 0 ? contactDamping(world, rods, c) : 0.0;
-    const double closing = gapAtStart / dt;
+    const bool gives = complianceOf(world, c).x() > 0.0;
     const double fastest = -scale * (put || deep ? stage.overlaps.recovery : stage.overlaps.fastest(dt));
-    out.w.x() += closing < fastest && complianceOf(world, c).x() <= 0.0 ? fastest : closing;
+    const double gap = gives ? gapAtStart / dt : std::max(gapAtStart / dt, fastest);
+    k.closing = gives ? 0.0 : std::max(0.0, -gap);
+    out.w.x() += gap < 0.0 ? stage.gaps.shareOfContact(c.id) * gap : gap;
     // A held point against what does not yield: no impulse can move it, and holds are not broken by contact.
     if (out.a >= 0 && out.b < 0 && out.Ha.row(0).norm() <= 1e-9)
         out.w.x() = std::max(out.w.x(), 0.0);
@@ -410,6 +412,8 @@ void couple(const World& world, std::vector<RodWork>& rods, double dt, const std
     parallel::forEach(stage.loop, n, 32, [&](std::size_t i) {
         const contact::Candidate& c = stage.candidates[i];
         coupleOne(world, rods, dt, stage.gapAtStart[i], c, stage, stage.work[i], stage.problem.contacts[i]);
+        if (stage.gaps.shareOfContact(c.id) < 1.0) // the forces of a contradiction would hold each other for ever
+            return;
         const ContactImpulse before = forceBefore(warm, stage.scratch.ids, c);
         stage.problem.r0[static_cast<Eigen::Index>(2 * i)] = before.normal * dt;
         stage.problem.r0[static_cast<Eigen::Index>(2 * i + 1)] = before.tangent * dt;

@@ -17,14 +17,17 @@ struct Settings;
 
 struct GapClosing {
     double speed = 0.0; ///< m/s
+    double share = 1.0; ///< of what that speed closes
 
     /// Part of a gap (m, of either sign) that stays after `dt` s; exactly 0 where the speed is enough for all of it.
     [[nodiscard]] double left(double gap, double dt) const {
-        return std::copysign(std::max(0.0, std::abs(gap) - speed * dt), gap);
+        const double rest = std::copysign(std::max(0.0, std::abs(gap) - speed * dt), gap);
+        return share < 1.0 ? gap - share * (gap - rest) : rest;
     }
     [[nodiscard]] rod::Vec2 left(const rod::Vec2& gap, double dt) const {
         const double size = gap.norm(), closed = speed * dt;
-        return size > closed ? rod::Vec2((1.0 - closed / size) * gap) : rod::Vec2(rod::Vec2::Zero());
+        const rod::Vec2 rest = size > closed ? rod::Vec2((1.0 - closed / size) * gap) : rod::Vec2(rod::Vec2::Zero());
+        return share < 1.0 ? rod::Vec2(gap - share * (gap - rest)) : rest;
     }
 };
 

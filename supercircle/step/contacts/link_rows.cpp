@@ -11,6 +11,12 @@
 
 namespace supercircle::step {
 
+Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
+    if (row.kind == LinkRowKind::Angle)
+        return {row.lever * spin, 0.0};
+    return {row.normal.dot(velocity), rod::perp(row.normal).dot(velocity)};
+}
+
 namespace {
 
 /// The two points of a link and the angles of their sections at one moment.
@@ -79,13 +85,17 @@ double lever(const World& world, const LinkEnds& e) {
     return world.rods[static_cast<std::size_t>(e.rodA)].model.longestElement();
 }
 
-/// How fast a link closes what it finds open.
-GapClosing closingOf(const std::vector<RodWork>& rods, const LinkEnds& e) {
+/// How fast a link closes what it finds open, unless it waits.
+GapClosing wantedClosing(const std::vector<RodWork>& rods, const LinkEnds& e) {
     const GapClosing& a = rods[static_cast<std::size_t>(e.rodA)].closing;
     if (e.rodB < 0)
         return a;
     const GapClosing& b = rods[static_cast<std::size_t>(e.rodB)].closing;
     return b.speed < a.speed ? b : a;
+}
+
+GapClosing closingOf(const std::vector<RodWork>& rods, const ContactStage& stage, const Link& l, const LinkEnds& e) {
+    return {wantedClosing(rods, e).speed, stage.gaps.shareOfLink(l.key)};
 }
 
 /// Gap of a row (both components for a locked point).
@@ -134,12 +144,6 @@ void bodyRows(const ContactStage& stage, const LinkRow& row, Eigen::Matrix<doubl
     const Vec2 axis[2] = {row.normal, rod::perp(row.normal)};
     for (int k = 0; k < 2; ++k) // a tether's tangent carries nothing, but the local law wants a regular block
         addToRow(stage, row.bodyB, -axis[k], -axis[k].dot(rod::perp(row.armB)), out.row(k));
-}
-
-Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin) {
-    if (row.kind == LinkRowKind::Angle)
-        return {row.lever * spin, 0.0};
-    return {row.normal.dot(velocity), rod::perp(row.normal).dot(velocity)};
 }
 
 /// Velocity of the other end as far as it is given, in the row's own directions: exact over the step for places that
@@ -213,8 +217,9 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
         row.armB = turned(l.local, middle.angleB);
     row.surface = givenVelocity(world, rods, stage, l, row, e, dt);
     const Vec2 gap = gapOf(row, l, placesOf(world, rods, stage.host.motion, l, e, When::Start, dt), l.length);
-    const Vec2 left = leftOpen(row, gap, closingOf(rods, e), dt);
+    const Vec2 left = leftOpen(row, gap, closingOf(rods, stage, l, e), dt);
     row.closing = (left - gap) / dt;
+    row.wanted = (leftOpen(row, gap, wantedClosing(rods, e), dt) - gap) / dt;
     if (again) {
         const Places end = placesOf(world, rods, stage.host.motion, l, e, When::End, dt);
         row.bias = (gapOf(row, l, end, lengthAfter(l, dt)) - left) / dt - lastVelocity(world, rods, stage, row, e);
@@ -319,6 +324,8 @@ void coupleLinks(const World& world, const std::vector<RodWork>& rods, double dt
             bodyRows(stage, row, row.Hb);
             (isFirst ? out.Ha : out.Hb) = row.Hb;
         }
+        if (stage.gaps.shareOfLink(l.key) < 1.0)
+            continue;
         Vec2 before = l.force;
         if (row.kind == LinkRowKind::Pull)
             before = {l.force.norm(), 0.0};
@@ -343,7 +350,7 @@ double errorAtEnd(const World& world, const std::vector<RodWork>& rods, const Co
                   const LinkEnds& e, double dt) {
     const double error =
         errorOf(world, l, e, placesOf(world, rods, stage.host.motion, l, e, When::End, dt), lengthAfter(l, dt));
-    const GapClosing closing = closingOf(rods, e);
+    const GapClosing closing = closingOf(rods, stage, l, e);
     if (error == 0.0)
         return 0.0;
     const double before =

@@ -36,6 +36,9 @@ struct LinkGaps {
 };
 LinkGaps linkGaps(const World& world, const std::vector<RodWork>& rods, double dt, const ContactStage& stage);
 
+/// A motion of the other end's body in the row's own directions, m/s.
+Vec2 inRow(const LinkRow& row, const Vec2& velocity, double spin);
+
 /// Energy of the links and what they leave for the next step; the counterpart of recordContacts.
 void recordLinks(World& world, std::vector<RodWork>& rods, const ContactStage& stage, double dt);
 

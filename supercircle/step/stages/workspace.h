@@ -236,6 +236,7 @@ struct ContactWork {
     int rodA = -1, rodB = -1;
     int bodyB = -1;                    ///< index into World::bodies
     Vec2 armB = Vec2::Zero();          ///< contact point minus body centre at the linearisation point
+    double closing = 0.0;              ///< at which an overlap found at the start closes unless it waits, m/s
     double slip = 0.0;                 ///< speed of slip its friction was taken at, m/s
     double friction = 1.0;             ///< factor of the friction coefficient
     FactorBounds bounds;               ///< of that factor, within one linearisation

@@ -6,6 +6,7 @@
 #include "plugin/identification/diagnosis/replay_model.h"
 #include "plugin/identification/diagnosis/visibility.h"
 #include "plugin/identification/replay/parameters.h"
+#include "plugin/identification/replay/scene_of_run.h"
 #include "plugin/identification/replay/simulate.h"
 #include "plugin/recording/experiment/load.h"
 #include "supercircle/step/parallel.h"
@@ -111,10 +112,15 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
                 loaded->scene ? loaded->scene->specimens.size() : loaded->specimens.size(), loaded->runs.size(),
                 loaded->markers.size());
     const bool free = experiment::isFree(*loaded);
+    std::string unknown;
+    const auto scene = loaded->scene ? replay::sceneOf(*loaded, 0, values, unknown) : std::nullopt;
+    const bool vibrates = scene && !scene->numerics.quasi_static.value_or(true);
     std::printf("  simulated as %s\n",
                 experiment::isMechanism(*loaded)
                     ? (free ? "bodies on joints that move freely" : "bodies on joints, one moved by the machine")
-                    : (free ? "rods that move freely" : "rods that are moved slowly, their vibration damped"));
+                    : (free       ? "rods that move freely"
+                       : vibrates ? "rods that are moved and vibrate"
+                                  : "rods that are moved slowly, their vibration damped"));
     if (!experiment::furtherChannels(*loaded).empty()) {
         const auto tell = [](const experiment::Channel& c, double noise) {
             std::printf("  compared: %s, column %s, noise of about %.3g %s, weight %g\n", c.name.c_str(),
@@ -147,8 +153,11 @@ int checkExperiment(const std::string& file, const std::vector<std::string>& par
                             b.name.c_str(), b.scale);
     if (const std::string why = diagnosis::tooFewReadings(*loaded); !why.empty())
         std::printf("  no diagnosis: %s\n", why.c_str());
-    if (parameters.empty())
+    if (parameters.empty()) {
+        std::fflush(stdout);
+        std::fprintf(stderr, "the file is valid; simulating what its runs could see (Ctrl-C ends this)\n");
         tellVisible(*loaded);
+    }
     return printed() ? kDone : kCannotWrite;
 }
 

@@ -20,6 +20,37 @@ scene::PointLoad mixed(const scene::PointLoad& a, const scene::PointLoad& b, dou
     return out;
 }
 
+/// What a driven parameter changes besides loads; empty: nothing.
+std::string changedBesides(const scene::Scene& a, const scene::Scene& b) {
+    const auto differ = [](const Point& p, const Point& q) { return p.x != q.x || p.y != q.y; };
+    if (a.rigid.gravity != b.rigid.gravity)
+        return "gravity";
+    for (std::size_t i = 0; i < std::min(a.shells.size(), b.shells.size()); ++i) {
+        const ShellDef &p = a.shells[i], &q = b.shells[i];
+        const bool masses =
+            std::equal(p.mass_at.begin(), p.mass_at.end(), q.mass_at.begin(), q.mass_at.end(),
+                       [](const PointMassDef& m, const PointMassDef& n) {
+                           return m.arc_fraction == n.arc_fraction && m.mass == n.mass && m.inertia == n.inertia;
+                       });
+        if (differ(p.position, q.position) || p.angle != q.angle)
+            return "the place of the shell \"" + p.name + "\"";
+        if (p.radius != q.radius || p.natural_curvature != q.natural_curvature || p.curvature != q.curvature ||
+            p.length != q.length || p.phi_bar != q.phi_bar)
+            return "the shape of the shell \"" + p.name + "\"";
+        if (!masses || p.thickness != q.thickness || p.width != q.width || p.density != q.density ||
+            p.young_modulus != q.young_modulus || p.mu != q.mu || p.damping_ratio != q.damping_ratio)
+            return "the section, material or masses of the shell \"" + p.name + "\"";
+    }
+    for (std::size_t i = 0; i < std::min(a.holds.size(), b.holds.size()); ++i)
+        if (a.holds[i].arc_fraction != b.holds[i].arc_fraction)
+            return "the place of a hold";
+    for (std::size_t i = 0; i < std::min(a.rigid.bodies.size(), b.rigid.bodies.size()); ++i)
+        if (a.rigid.bodies[i].position != b.rigid.bodies[i].position ||
+            a.rigid.bodies[i].angle != b.rigid.bodies[i].angle)
+            return "the place of the body \"" + a.rigid.bodies[i].name + "\"";
+    return "";
+}
+
 } // namespace
 
 LoadCourse::LoadCourse(const experiment::Experiment& e, std::size_t run, const Parameters& p) {
@@ -31,12 +62,19 @@ LoadCourse::LoadCourse(const experiment::Experiment& e, std::size_t run, const P
     driven.scene.push_back({e.scene->driveParameter, -1, 0.0}); // after a stated value, which it replaces
     const auto at = [&](double value) {
         driven.scene.back().value = value;
-        auto scene = sceneOf(e, run, driven, failure_);
-        return scene ? std::move(scene->loads) : std::vector<scene::PointLoad>{};
+        return sceneOf(e, run, driven, failure_);
     };
-    first_ = at(from_);
-    last_ = at(to_);
-    const std::vector<scene::PointLoad> middle = at(0.5 * (from_ + to_));
+    auto first = at(from_), last = at(to_), half = at(0.5 * (from_ + to_));
+    if (!first || !last || !half)
+        return;
+    if (const std::string besides = changedBesides(*first, *last); !besides.empty()) {
+        failure_ =
+            "\"" + e.scene->driveParameter + "\", which is driven, changes " + besides + "; a run changes loads only";
+        return;
+    }
+    first_ = std::move(first->loads);
+    last_ = std::move(last->loads);
+    const std::vector<scene::PointLoad> middle = std::move(half->loads);
     for (std::size_t i = 0; failure_.empty() && i < middle.size(); ++i) {
         const scene::PointLoad straight = mixed(first_[i], last_[i], 0.5);
         const scene::PointLoad &a = first_[i], &b = last_[i], &m = middle[i];

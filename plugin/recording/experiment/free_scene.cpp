@@ -90,6 +90,39 @@ void takeShells(Experiment& e, const scene::Scene& s) {
                 m.specimen = i;
 }
 
+const std::string& nameOf(effects::Key key) {
+    return std::find_if(effects::catalog().begin(), effects::catalog().end(),
+                        [key](const effects::Effect& e) { return e.key == key; })
+        ->name;
+}
+
+/// What experiments leave out of a scene, so that a number of it would change nothing.
+void judgeWhatActs(const scene::Scene& s, const auto& complain) {
+    for (const effects::Setting& effect : s.effects) {
+        if (effect.key == effects::Key::Gravity || effect.key == effects::Key::Misalignment)
+            continue; // they are in the scene's gravity and bodies already
+        const std::string& name = nameOf(effect.key);
+        complain("the effect \"" + name + "\" of the scene does not act in an experiment",
+                 "a scene without it, and --effect " + name + ":... of replay; diagnose and calibrate try effects");
+    }
+    if (!s.shells.empty())
+        return;
+    const std::vector<step::BodyDefinition>& bodies = s.rigid.bodies;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const auto id = static_cast<std::int32_t>(i);
+        const bool held = std::any_of(s.rigid.joints.begin(), s.rigid.joints.end(),
+                                      [&](const step::JointDefinition& j) { return j.bodyA == id || j.bodyB == id; });
+        const bool others = std::any_of(bodies.begin(), bodies.end(), [&](const step::BodyDefinition& b) {
+            return &b != &bodies[i] && !b.fixtures.empty();
+        });
+        if (bodies[i].type == step::BodyType::Dynamic && !held && others && !bodies[i].fixtures.empty())
+            complain("the body \"" + bodies[i].name +
+                         "\" hangs on no joint, and bodies do not touch each other in an "
+                         "experiment without shells",
+                     "a joint, such as a prismatic one with \"friction\" for what slides");
+    }
+}
+
 void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& path,
                 std::vector<scene::Problem>& problems) {
     const auto complain = [&](const std::string& what, const std::string& expected, const std::string& near = {}) {
@@ -107,6 +140,7 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
         complain("the machine of the scene moves no body", "a \"protocol\" with a \"body\"");
     else if (!s.shells.empty() || s.drop)
         judgeShells(s, complain);
+    judgeWhatActs(s, complain);
     std::vector<std::string> names;
     for (const step::BodyDefinition& b : s.rigid.bodies)
         if (s.shells.empty())
@@ -114,7 +148,7 @@ void judgeScene(const Experiment& e, const scene::Scene& s, const std::string& p
     for (const ShellDef& d : s.shells)
         names.push_back(d.name);
     const auto need = [&](const std::string& name) {
-        if (std::find(names.begin(), names.end(), name) == names.end())
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end())
             complain(s.shells.empty() ? "there is no body \"" + name + "\", whose pose is recorded"
                                       : "there is no shell \"" + name + "\", whose motion is recorded",
                      {}, nearestName(name, names));
@@ -380,6 +414,9 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
     if (!own.driveParameter.empty() && s.loads.empty())
         complain("/drive/parameter", "the scene " + path + " has no load that it could change",
                  "a scene with \"load\"");
+    if (!own.driveParameter.empty() && s.protocol)
+        complain("/drive/parameter", "the scene " + path + " has a machine, which is what drives it",
+                 "a scene without \"protocol\", or a drive without \"parameter\"");
     for (std::size_t i = 0; i < e.runs.size(); ++i)
         if (own.driveColumn.empty() && e.runs[i].driveDisplacement.empty() == own.driven)
             complain("/runs/" + std::to_string(i),

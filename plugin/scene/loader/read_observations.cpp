@@ -49,6 +49,12 @@ Observation readObservation(Context& context, const ArrayItem& place, const Scen
         o.arc_fraction = reader.number("arc_fraction", o.arc_fraction, {0.0, 1.0});
     }
     reader.finish();
+    const bool ofPose = o.quantity == Quantity::Angle || o.quantity == Quantity::X || o.quantity == Quantity::Y;
+    if (const std::optional<Node> node = reader.find("quantity"); node && o.of == Of::Shell && !ofPose) {
+        context.error(*node, reader.pointerTo("quantity"), "of a shell only its place and direction are observed",
+                      "\"x\", \"y\" or \"angle\"");
+        return o;
+    }
     const bool ofMachine = o.quantity == Quantity::Force || o.quantity == Quantity::Travel;
     if (const std::optional<Node> node = reader.find("quantity"); node && ofMachine != (o.of == Of::Machine))
         context.error(*node, reader.pointerTo("quantity"),

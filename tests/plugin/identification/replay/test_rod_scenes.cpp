@@ -329,4 +329,41 @@ TEST_CASE("scenes with shells that experiments cannot simulate are refused with 
     CHECK_THAT(refused(R"("shell": [{"name": "s"}], "body": [{"name": "belt", "type": 1}])"),
                Contains("the body \"belt\" moves, but not with the machine"));
     CHECK_THAT(refused(R"("shell": [{"name": "s"}, {}])"), Contains("a shell has no name"));
+    CHECK_THAT(refused(R"("shell": [{"name": "s"}], "effects": [{"key": "machine_compliance", "k_N_m": 500}])"),
+               Contains("the effect \"machine_compliance\" of the scene does not act in an experiment") &&
+                   Contains("--effect machine_compliance"));
+}
+
+TEST_CASE("what would change nothing in an experiment is refused", "[replay][rods]") {
+    using Catch::Matchers::Contains;
+    const test::Folder folder;
+    const auto load = [&](const std::string& scene, const std::string& observe, const std::string& more = "") {
+        folder.write("run.csv", "time_s,y_mm,load\n0,0,0\n1,1,1\n");
+        folder.write("scene.json", R"({"schema": "supercircle-scene/1", "duration": 1, "parameters": {"p": {"value": 0,
+            "unit": "N"}}, "observe": [{"name": "y", )" +
+                                       observe + "}], " + scene + "}");
+        return experiment::load(folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene",
+            "scene": "scene.json", "channels": [{"observe": "y", "column": "y_mm"}], )" +
+                                                                    more + R"("runs": [{"file": "run.csv"}]})"));
+    };
+    const std::string strip = R"("shell": [{"name": "s", "radius": "infinite", "length": 0.1, "elements": 8}])";
+    const std::string ofStrip = R"("of": "shell", "shell": "s", "quantity": )";
+    CHECK_THAT(load(strip, ofStrip + "\"ay\"").error(),
+               Contains("only its place and direction are observed") && Contains("\"angle\""));
+
+    const std::string ball = R"("body": [{"name": "floor", "fixture": [{"circle": {"radius": 0.1}}]},
+        {"name": "ball", "type": 2, "fixture": [{"density": 1, "circle": {"radius": 0.1}}]}])";
+    CHECK_THAT(load(ball, R"("of": "body", "body": "ball", "quantity": "y")").error(),
+               Contains("the body \"ball\" hangs on no joint") && Contains("prismatic"));
+
+    const std::string drive = R"("drive": {"parameter": "p", "column": "load"}, )";
+    const std::string pull = R"(, "load": [{"shell": "s", "force_N": {"x": {"param": "p"}, "y": 0}}])";
+    const auto thick = load(R"("shell": [{"name": "s", "radius": "infinite", "length": 0.1, "elements": 8,
+        "density": {"expr": "1000+p"}}])" +
+                                pull,
+                            ofStrip + "\"y\"", drive);
+    INFO(thick.error());
+    REQUIRE(thick);
+    CHECK_THAT(replay::simulate(*thick, 0, replay::nominal(*thick), replay::Resolution::coarse()).failure,
+               Contains("changes the section, material or masses of the shell \"s\""));
 }

@@ -123,10 +123,14 @@ bool judgeSuspects(World& world, const TrialStep& t, GapWork& gaps) {
 
 } // namespace
 
-bool judgeGaps(const EnergyBalance& before, const Settings& settings, World& world, TrialStep& t) {
+bool judgeGaps(const EnergyBalance& before, const Settings& settings, bool last, World& world, TrialStep& t) {
     GapWork& gaps = t.stage.gaps;
     if (t.stage.links.count == 0)
         return false; // contacts alone part as far as they can
+    if (last && gaps.suspects.any()) {
+        move(gaps.suspects, gaps.waiting);
+        return false;
+    }
     if (gaps.suspects.any() && judgeSuspects(world, t, gaps))
         return true;
     double overlaps = 0.0, others = 0.0, lawful = 0.0;

@@ -14,7 +14,9 @@ namespace supercircle::step {
 
 /// Judges the gaps of a trial in a frame that began with the balance `before`. True: the trial is to be made again with
 /// other gaps left open (ContactStage::gaps; ways of bodies to their originals are stopped in the world).
-[[nodiscard]] bool judgeGaps(const EnergyBalance& before, const Settings& settings, World& world, TrialStep& t);
+/// @param last no further trial may be made: what is suspected waits, so that the frame does not end without a step
+[[nodiscard]] bool judgeGaps(const EnergyBalance& before, const Settings& settings, bool last, World& world,
+                             TrialStep& t);
 
 /// After a step that was accepted: gaps that closed by a share have used up what the frame allows, and wait.
 void endShares(World& world, TrialStep& t);

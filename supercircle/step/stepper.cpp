@@ -326,7 +326,7 @@ FrameResult Stepper::advancePart(Part& part, double frame, Port* port, FrameObse
         SC_ASSERT_EXPENSIVE(before == fingerprint(world), "a trial changes nothing of the world");
         (void)before;
         Verdict verdict = judge(part, world.time - start, port, budget, out);
-        if (verdict == Verdict::Accept && judgeGaps(balance, settings_, world, trial)) {
+        if (verdict == Verdict::Accept && judgeGaps(balance, settings_, budget.exhausted(), world, trial)) {
             countRejection(world, Reason::GapEnergy);
             continue;
         }

@@ -219,7 +219,8 @@ void addRow(const World& world, const std::vector<RodWork>& rods, double dt, boo
     const Vec2 gap = gapOf(row, l, placesOf(world, rods, stage.host.motion, l, e, When::Start, dt), l.length);
     const Vec2 left = leftOpen(row, gap, closingOf(rods, stage, l, e), dt);
     row.closing = (left - gap) / dt;
-    row.wanted = (leftOpen(row, gap, wantedClosing(rods, e), dt) - gap) / dt;
+    row.wanted = stage.gaps.shareOfLink(l.key) < 1.0 ? Vec2((leftOpen(row, gap, wantedClosing(rods, e), dt) - gap) / dt)
+                                                     : row.closing;
     if (again) {
         const Places end = placesOf(world, rods, stage.host.motion, l, e, When::End, dt);
         row.bias = (gapOf(row, l, end, lengthAfter(l, dt)) - left) / dt - lastVelocity(world, rods, stage, row, e);

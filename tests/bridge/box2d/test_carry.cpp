@@ -272,3 +272,31 @@ TEST_CASE("a joint lifts a crate that was moved away from it", "[box2d][carry]")
         g.frame();
     CHECK(static_cast<double>(crate->GetPosition().y / g.L) == Approx(before).margin(0.3 * h)); // it swings by that
 }
+
+TEST_CASE("a rope that is far too short stops no game, whatever its frames may take", "[box2d][carry]") {
+    // It became too short by its user's hand, and a strip lies between its ends. A frame without a step ends after two
+    // trials, so that gaps which are judged must not take a third.
+    const std::uint64_t budget = GENERATE(1, 20, 100, 500);
+    const double apart = GENERATE(0.1, 1.0, 5.0);
+    CAPTURE(budget, apart);
+    GameWorld g(Quality::Game, {.density = 20.0F});
+    g.floor();
+    b2Body* crate = g.box(0.0F, 0.5F, 1.4F, 0.2F, b2_dynamicBody);
+    JointDef j;
+    j.kind = JointKind::Tether;
+    j.shell = g.bumper({1.77, 1.5});
+    j.body = g.port.body_id(*crate);
+    j.point = {1.3, 0.6};
+    g.shells.create_joint(j).or_fail();
+    g.shells.create_pin(j.shell, 1.0).or_fail(); // else the shell goes along with the crate
+    g.frame();
+    g.shells.set_frame_budget(budget).or_fail();
+    crate->SetTransform(crate->GetPosition() - b2Vec2(static_cast<float>(apart), 0.0F), 0.5F);
+    int standing = 0;
+    for (int i = 0; i < 120; ++i) {
+        standing = g.frame().advanced > 0.0 ? 0 : standing + 1;
+        REQUIRE(standing < 20);
+    }
+    if (apart >= 1.0)
+        CHECK(g.shells.world().counters.rejectedFor[static_cast<std::size_t>(step::Reason::GapEnergy)] > 0);
+}

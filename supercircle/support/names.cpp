@@ -36,7 +36,7 @@ std::string nearestName(std::string_view name, const std::vector<std::string>& k
     // The distance takes time quadratic in the length.
     if (name.empty() || name.size() > 64)
         return {};
-    const int limit = std::max(2, static_cast<int>(name.size()) * 2 / 3);
+    const int limit = name.size() == 1 ? 1 : std::max(2, static_cast<int>(name.size()) * 2 / 3);
     int best = limit + 1;
     std::string result;
     for (const std::string& candidate : known) {

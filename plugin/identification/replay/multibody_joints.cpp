@@ -13,17 +13,37 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using step::JointKind;
 
+namespace {
+
+/// What of a joint mechanisms do not simulate, and what to do instead; empty: nothing.
+std::string notTaken(const step::JointDefinition& d) {
+    if (d.kind != JointKind::Revolute && d.kind != JointKind::Weld && d.kind != JointKind::Prismatic &&
+        d.kind != JointKind::Distance)
+        return "mechanisms have no joints of this type; expected \"revolute\", \"prismatic\", \"distance\" or \"weld\"";
+    if (d.kind == JointKind::Weld && d.frequency > 0.0)
+        return "a \"frequency\" makes the weld a spring of Box2D, which mechanisms do not simulate; expected a "
+               "revolute "
+               "joint with \"spring\": {\"stiffness_N_m_rad\": ...}";
+    if (d.kind != JointKind::Revolute && d.frequency > 0.0)
+        return "\"frequency\" states a spring of Box2D, which mechanisms do not simulate; expected \"spring\": "
+               "{\"stiffness_N_m\": ...}";
+    if (d.enableLimit)
+        return "mechanisms have no limits of joints and no ropes; expected one without \"enableLimit\", in runs that "
+               "stay within the limits";
+    if (d.enableMotor && d.maxMotorForce > 0.0)
+        return "mechanisms have no motors of joints; expected one without \"enableMotor\", and a \"protocol\" whose "
+               "machine moves a body";
+    return {};
+}
+
+} // namespace
+
 void Multibody::addJoint(const step::JointDefinition& d) {
     const auto count = static_cast<std::int32_t>(bodies_.size());
     if (d.bodyA < 0 || d.bodyB < 0 || d.bodyA >= count || d.bodyB >= count)
         return;
-    const bool known = d.kind == JointKind::Revolute || d.kind == JointKind::Weld || d.kind == JointKind::Prismatic ||
-                       d.kind == JointKind::Distance;
-    const bool soft = d.kind != JointKind::Revolute && d.frequency > 0.0;
-    if (!known || soft || d.enableLimit || (d.enableMotor && d.maxMotorForce > 0.0)) {
-        failure_ = "joint \"" + d.name +
-                   "\": mechanisms take revolute, prismatic and distance joints and stiff welds, without limits or "
-                   "motors; a joint's \"spring\" makes it elastic";
+    if (const std::string why = notTaken(d); !why.empty()) {
+        failure_ = "joint \"" + d.name + "\": " + why;
         return;
     }
     Joint j;

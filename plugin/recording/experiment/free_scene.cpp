@@ -233,7 +233,8 @@ FreeScene readFreeScene(Context& context, Object& top) {
         Object observed(context, *node, top.pointerTo("observed"));
         if (observed.valid()) {
             s.observation.target = observed.text("body");
-            const std::size_t quantity = observed.choice("quantity", {"angle", "x", "y"}); // as Observation::Quantity
+            const std::vector<std::string> quantities = {"angle", "x", "y"}; // as Observation::Quantity
+            const std::size_t quantity = observed.choice("quantity", quantities) % quantities.size();
             s.observation.quantity = static_cast<scene::Observation::Quantity>(quantity);
             s.channel = quantity == 0 ? kAngle : quantity == 1 ? kX : kY;
             s.zero.halfWidth = quantity == 0 ? observed.number("zero_unc_deg", 0.0, scene::notNegative) / kDegrees
@@ -426,7 +427,7 @@ void takeObservation(Experiment& e, const scene::Scene& s, const std::string& pa
                                 : "a run without drive_time_s");
 }
 
-void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
+bool readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
     const std::string path = pathOf(e);
     if (path.empty()) {
         scene::Problem p;
@@ -435,18 +436,24 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
         p.what = "no scene \"" + e.scene->file + "\" comes with the program";
         p.expected = "one of " + scene::shippedNames() + ", or a file NAME.json";
         problems.push_back(std::move(p));
-        return;
+        return false;
     }
     const auto text = scene::readFile(path, problems);
     if (!text)
-        return;
+        return false;
     e.scene->text = *text;
+    bool known = false;
     for (Run& run : e.runs) {
         std::vector<scene::Problem> found;
         const auto scene = nominalScene(e, run, path, found);
         if (scene) {
-            if (&run == &e.runs.front())
+            if (&run == &e.runs.front()) {
                 takeObservation(e, *scene, path, found);
+                takeShells(e, *scene);
+                known = std::none_of(found.begin(), found.end(), [](const scene::Problem& p) {
+                    return p.severity == scene::Problem::Severity::Error && p.pointer.starts_with("/channels");
+                });
+            }
             judgeScene(e, *scene, path, found);
             takeWords(*scene, e.scene->parameters);
             takeWords(*scene, run.parameters);
@@ -454,12 +461,11 @@ void readSceneFile(Experiment& e, std::vector<scene::Problem>& problems) {
                 takeWords(*scene, s.parameters);
         }
         std::erase_if(found, [](const scene::Problem& p) { return p.severity == scene::Problem::Severity::Note; });
-        if (scene && found.empty() && &run == &e.runs.front())
-            takeShells(e, *scene);
         problems.insert(problems.end(), found.begin(), found.end());
         if (!found.empty())
-            return; // the other runs have the same problem
+            break; // the other runs have the same problem
     }
+    return known;
 }
 
 } // namespace supercircle::experiment

@@ -30,8 +30,9 @@ std::string setChannel(const std::string& observe, const scene::Observation& obs
 /// /strings
 std::vector<Bowstring> readStrings(Context& context, Object& top);
 
-/// Reads the scene file beside experiment.file and checks it with the nominal values of every run.
-void readSceneFile(Experiment& experiment, std::vector<scene::Problem>& problems);
+/// Reads the scene file beside experiment.file and checks it with the nominal values of every run. @return whether the
+/// columns of the runs and their units are known; without them nothing can be said about the files
+bool readSceneFile(Experiment& experiment, std::vector<scene::Problem>& problems);
 
 /// Names of the readings in a CSV file, with their unit.
 std::vector<Channel> columnsOf(const Experiment& experiment);

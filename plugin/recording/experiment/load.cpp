@@ -41,7 +41,10 @@ Clamp readClamp(Context& context, const Node& node, const std::string& pointer, 
     if (!object.valid())
         return clamp;
     static const std::vector<std::string> places = {"none", "middle", "first_end"};
-    clamp.where = static_cast<ClampPlace>(object.choice("where", places));
+    const std::size_t where = object.choice("where", places);
+    if (where == places.size()) // the other keys depend on it
+        return clamp;
+    clamp.where = static_cast<ClampPlace>(where);
     if (clamp.where == ClampPlace::None) {
         clamp.initialPlacement = object.text("initial_placement", "");
         for (const char* key :
@@ -105,7 +108,11 @@ Obstacle readObstacle(Context& context, const ArrayItem& place) {
     Obstacle o;
     if (!object.valid())
         return o;
-    o.kind = object.choice("type", {"cylinder", "plane"}) == 1 ? ObstacleKind::Plane : ObstacleKind::Cylinder;
+    const std::vector<std::string> types = {"cylinder", "plane"};
+    const std::size_t type = object.choice("type", types);
+    if (type == types.size()) // the other keys depend on it
+        return o;
+    o.kind = type == 1 ? ObstacleKind::Plane : ObstacleKind::Cylinder;
     if (o.kind == ObstacleKind::Cylinder) {
         o.point = object.pair("center_m");
         o.radius = object.number("radius_m", positive);
@@ -364,8 +371,34 @@ void readTop(Context& context, Experiment& e) {
     if (const std::string schema = top.text("schema"); schema != schemaName && top.find("schema"))
         top.error("schema", "this is \"" + schema + "\", not an experiment of this version",
                   std::string("\"") + schemaName + "\"");
-    e.protocol = static_cast<Protocol>(
-        top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end())));
+    const std::size_t protocol =
+        top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end()));
+    if (protocol == kProtocolNames.size()) { // the other keys depend on it
+        for (const char* key : {"description",
+                                "frame",
+                                "arc_convention",
+                                "contact_thickness",
+                                "uncertainty_meaning",
+                                "gravity_m_s2",
+                                "specimens",
+                                "batch",
+                                "obstacles",
+                                "friction",
+                                "initial_gap_unc_m",
+                                "runs",
+                                "sensors",
+                                "markers",
+                                "strings",
+                                "scene",
+                                "scene_parameters",
+                                "observed",
+                                "drive",
+                                "channels"})
+            top.find(key);
+        top.finish();
+        return;
+    }
+    e.protocol = static_cast<Protocol>(protocol);
     e.description = top.text("description", "");
     const bool scene = e.protocol == Protocol::Scene;
     e.gravityOfScene = scene && !top.find("gravity_m_s2");
@@ -376,7 +409,7 @@ void readTop(Context& context, Experiment& e) {
     const std::string meaning = top.text("uncertainty_meaning", "half-width of a uniform interval");
     if (meaning != "half-width of a uniform interval")
         top.note("uncertainty_meaning", "interpreted as the half-width of a uniform interval");
-    const bool free = (scene || e.protocol == Protocol::FreeScene) && top.find("protocol").has_value();
+    const bool free = scene || e.protocol == Protocol::FreeScene;
     if (free) {
         e.scene = scene ? readScene(context, top, e.sensors) : readFreeScene(context, top);
     } else {
@@ -447,9 +480,8 @@ Result<Experiment> load(const std::string& path, std::vector<scene::Problem>& pr
         refuseOutside(*experiment, problems);
     if (problems.size() > before)
         return Result<Experiment>::failure(scene::errorText(problems, before));
-    if (experiment->scene)
-        readSceneFile(*experiment, problems);
-    readRuns(*experiment, problems);
+    if (!experiment->scene || readSceneFile(*experiment, problems))
+        readRuns(*experiment, problems);
     std::string errors = scene::errorText(problems, before);
     return errors.empty() ? std::move(experiment) : Result<Experiment>::failure(std::move(errors));
 }

@@ -118,7 +118,7 @@ std::size_t Object::choice(const std::string& key, const std::vector<std::string
     std::string all;
     for (const std::string& w : words)
         all += (all.empty() ? "\"" : ", \"") + w + "\"";
-    return required(key, "one of " + all) ? reader_.choice(key, words, 0) : 0;
+    return required(key, "one of " + all) ? reader_.choice(key, words, words.size()) : words.size();
 }
 
 void Object::error(const std::string& key, const std::string& what, const std::string& expected,

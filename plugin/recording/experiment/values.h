@@ -30,15 +30,16 @@ public:
     std::optional<Node> find(const std::string& key);
     /// Reports the absence of the key.
     std::optional<Node> required(const std::string& key, const std::string& expected);
-    double number(const std::string& key, const Limits& limits);                       ///< required
-    double number(const std::string& key, double fallback, const Limits& limits);      ///< optional
-    std::string text(const std::string& key);                                          ///< required
-    std::string text(const std::string& key, const std::string& fallback);             ///< optional
-    bool flag(const std::string& key, bool fallback);                                  ///< optional
-    std::vector<double> numbers(const std::string& key, const Limits& limits);         ///< required
-    Point pair(const std::string& key);                                                ///< required, [x, y]
-    std::size_t choice(const std::string& key, const std::vector<std::string>& words); ///< required
-    scene::ArrayItems array(const std::string& key, bool mustHaveItems);               ///< required
+    double number(const std::string& key, const Limits& limits);                  ///< required
+    double number(const std::string& key, double fallback, const Limits& limits); ///< optional
+    std::string text(const std::string& key);                                     ///< required
+    std::string text(const std::string& key, const std::string& fallback);        ///< optional
+    bool flag(const std::string& key, bool fallback);                             ///< optional
+    std::vector<double> numbers(const std::string& key, const Limits& limits);    ///< required
+    Point pair(const std::string& key);                                           ///< required, [x, y]
+    std::size_t choice(const std::string& key,
+                       const std::vector<std::string>& words);           ///< required; their number: none of them
+    scene::ArrayItems array(const std::string& key, bool mustHaveItems); ///< required
     void error(const std::string& key, const std::string& what, const std::string& expected = {},
                const std::string& nearest = {});
     void note(const std::string& key, const std::string& what);

@@ -290,11 +290,15 @@ std::optional<double> Scope::evaluate(Context& context, const std::string& formu
             continue;
         const auto found = byName_.find(use.name);
         if (found == byName_.end()) {
-            std::vector<std::string> known = names();
+            const std::size_t next = formula.find_first_not_of(" \t", use.at + use.name.size());
+            if (next == std::string::npos || formula[next] != '(')
+                return fail(use.at, "unknown name \"" + use.name + "\" in the formula", "a parameter or constant",
+                            nearestName(use.name, names()));
+            std::vector<std::string> functions;
             for (const auto& function : calculator_->functions.GetFunDef())
-                known.push_back(function.first);
-            return fail(use.at, "unknown name \"" + use.name + "\" in the formula", "a parameter, constant or function",
-                        nearestName(use.name, known));
+                functions.push_back(function.first);
+            return fail(use.at, "unknown function \"" + use.name + "\" in the formula", "a function",
+                        nearestName(use.name, functions));
         }
         if (!resolve(context, *found->second, at, pointer))
             return std::nullopt;

@@ -108,9 +108,11 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     if (!game.valid())
         return;
     Game g;
-    if (game.require("kind", "one of \"egg_drop\", \"lander\", \"clip\""))
-        g.kind = kKinds[game.choice("kind", kKinds, 0)];
-    requireForKind(game, g.kind);
+    game.require("kind", "one of \"egg_drop\", \"lander\", \"clip\"");
+    if (const std::size_t kind = game.choice("kind", kKinds, kKinds.size()); kind < kKinds.size()) {
+        g.kind = kKinds[kind];
+        requireForKind(game, g.kind);
+    }
     g.title = game.string("title", scene.name);
     g.hint = game.string("hint", "");
     g.actor = readBody(context, game, "actor", scene, step::BodyType::Dynamic, "\"type\": 2");

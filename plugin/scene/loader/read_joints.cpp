@@ -175,7 +175,10 @@ JointDefinition readJoint(Context& context, const ArrayItem& place, std::size_t 
     JointDefinition j;
     j.name = reader.string("name", "");
     reader.require("type", "a kind of joint");
-    const std::string& kind = kJointKinds[reader.choice("type", kJointKinds, 0)];
+    const std::size_t type = reader.choice("type", kJointKinds, kJointKinds.size());
+    if (type == kJointKinds.size()) // the other keys depend on it
+        return j;
+    const std::string& kind = kJointKinds[type];
     const bool rope = kind == "rope";
     const auto index =
         std::find(kJointKinds.begin(), kJointKinds.end(), rope ? "distance" : kind) - kJointKinds.begin();

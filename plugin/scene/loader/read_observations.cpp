@@ -32,7 +32,11 @@ Observation readObservation(Context& context, const ArrayItem& place, const Scen
     reader.require("name", "the name under which experiments refer to it");
     o.name = reader.string("name", "");
     reader.require("of", "\"body\", \"shell\" or \"machine\"");
-    o.of = static_cast<Of>(reader.choice("of", {"body", "shell", "machine"}, 0));
+    const std::vector<std::string> objects = {"body", "shell", "machine"};
+    const std::size_t of = reader.choice("of", objects, objects.size());
+    if (of == objects.size()) // the other keys depend on it
+        return o;
+    o.of = static_cast<Of>(of);
     reader.require("quantity", "what is observed");
     o.quantity = static_cast<Quantity>(reader.choice("quantity", quantities, 1));
     std::vector<std::string> names;

@@ -15,10 +15,13 @@ TEST_CASE("the nearest name is the one with the least typing errors") {
     CHECK(nearestName("pat", {"bat", "cat"}) == "bat"); // a tie goes to the first
 }
 
-TEST_CASE("at most a third of the letters may differ, and one always") {
+TEST_CASE("at most a third of the letters may differ, and of two or three one") {
     CHECK(nearestName("abcdef", {"abcdXY"}) == "abcdXY");
     CHECK(nearestName("abcde", {"abcXY"}).empty());
-    CHECK(nearestName("a", {"b"}) == "b");
+    CHECK(nearestName("ab", {"ac"}) == "ac");
+    CHECK(nearestName("abc", {"aXY"}).empty());
+    CHECK(nearestName("a", {"b"}).empty()); // nothing of it is left
+    CHECK(nearestName("a", {"b", "A"}) == "A");
     CHECK(nearestName("a", {"bc"}).empty());
 }
 

@@ -237,6 +237,19 @@ TEST_CASE("unsupported features of a free scene are reported", "[replay][free]")
     w.joints[0].enableLimit = true;
     CHECK(Multibody(w, {}).failure().find("limits") != std::string::npos);
     w = pendulum(1.0);
+    w.joints[0].enableMotor = true;
+    w.joints[0].maxMotorForce = 1.0;
+    CHECK(Multibody(w, {}).failure().find("no motors") != std::string::npos);
+    for (const step::JointKind kind :
+         {step::JointKind::Distance, step::JointKind::Weld, step::JointKind::Wheel, step::JointKind::Gear}) {
+        w = pendulum(1.0);
+        w.joints[0].kind = kind;
+        w.joints[0].frequency = 3.0;
+        const bool taken = kind == step::JointKind::Distance || kind == step::JointKind::Weld;
+        CHECK_THAT(Multibody(w, {}).failure(), Catch::Contains(taken ? "\"frequency\"" : "no joints of this type") &&
+                                                   !Catch::Contains("limits") && !Catch::Contains("motors"));
+    }
+    w = pendulum(1.0);
     w.joints[0].anchorA = {0.01, 0.0};
     CHECK(Multibody(w, {}).failure().find("10") != std::string::npos); // mm apart
     w = pendulum(1.0);

@@ -2,6 +2,8 @@
 
 #include "tests/plugin/recording/experiment/support.h"
 
+#include <algorithm>
+
 using namespace experimenttest;
 using Catch::Contains;
 
@@ -46,6 +48,18 @@ TEST_CASE("wrong values are reported with their position", "[experiment]") {
                Contains("the clamp lies beyond the end"));
     CHECK_THAT(problemsOf("{"), Contains("e.json:1:2:"));
     CHECK_THAT(problemsOf(""), Contains("the file is empty"));
+}
+
+TEST_CASE("an unknown kind is the only problem: the keys that depend on it are not judged", "[experiment]") {
+    const auto only = [](const std::string& from, const std::string& to) {
+        const std::string all = problemsOf(with(good(), from, to));
+        CHECK(std::count(all.begin(), all.end(), '\n') == 1);
+        return all;
+    };
+    CHECK_THAT(only("\"where\": \"middle\"", "\"where\": \"centre\""), Contains("/clamp/where: unknown value"));
+    CHECK_THAT(only("\"type\": \"cylinder\"", "\"type\": \"drum\""), Contains("/obstacles/0/type: unknown value"));
+    CHECK_THAT(only("\"protocol\": \"shell_on_rigid_cylinder\"", "\"protocol\": \"scenes\""),
+               Contains("/protocol: unknown value") && Contains("did you mean \"scene\"?"));
 }
 
 TEST_CASE("the drive must be valid", "[experiment]") {

@@ -13,12 +13,13 @@ const std::string kDrive = R"("drive": {"parameter": "weight", "column": "weight
 /// A strip with weights at its end.
 struct Table {
     std::string scene = "cantilever_weights", observe = "tip_y", drive = kDrive, run = R"("file": "run.csv")",
-                rows = kRows, more;
+                rows = kRows, more, text;
 
     [[nodiscard]] Result<experiment::Experiment> load() const {
         const Folder folder;
         folder.write("run.csv", rows);
         folder.write("other.csv", more);
+        folder.write("strip.json", text);
         return experiment::load(
             folder.write("experiment.json", R"({"schema": "rod-recordings/1", "protocol": "scene", "scene": ")" +
                                                 scene + R"(", )" + drive + R"("channels": [{"observe": ")" + observe +
@@ -77,4 +78,25 @@ TEST_CASE("what is no table is refused with the reason", "[experiment][tables]")
     Table undriven;
     undriven.drive = "";
     CHECK_THAT(undriven.refused(), Contains("no column time_s") && Contains("\"drive\" with a \"column\""));
+}
+
+TEST_CASE("a table of a scene that is refused is not judged as one of another kind", "[experiment][tables]") {
+    // A strip beside a body that can be pushed: the scene is refused, its shell is none of bodies on joints.
+    Table t;
+    t.scene = "strip.json";
+    t.text = R"({"schema": "supercircle-scene/1", "parameters": {"weight": {"value": 1}},
+        "body": [{"name": "table", "type": 0}, {"name": "box", "type": 2, "massData-mass": 1, "massData-I": 1}],
+        "shell": [{"name": "strip", "radius": "infinite", "length": 0.1, "thickness": 5e-4, "width": 0.01,
+                   "young_modulus": 2e9, "density": 1270, "elements": 24}],
+        "hold": [{"shell": "strip", "arc_fraction": 0}],
+        "load": [{"shell": "strip", "arc_fraction": 1, "force_N": {"x": 0, "y": {"expr": "-weight"}}}],
+        "observe": [{"name": "tip_y", "of": "shell", "shell": "strip", "arc_fraction": 1, "quantity": "y"}]})";
+    CHECK_THAT(t.refused(), Contains("the body \"box\" can be pushed") && !Contains("time_s"));
+    // Without the scene nothing is known about the columns.
+    t.text = "{";
+    CHECK_THAT(t.refused(), Contains("strip.json:1:2") && !Contains("run.csv"));
+    t.text = "";
+    t.scene = "cantilever_weights";
+    t.observe = "tip_z";
+    CHECK_THAT(t.refused(), Contains("observes no \"tip_z\"") && !Contains("run.csv"));
 }

@@ -116,6 +116,20 @@ TEST_CASE("unknown names and circular definitions are reported") {
     REQUIRE(unknown.size() == 1);
     CHECK(unknown[0].pointer == "/duration/param");
     CHECK(unknown[0].nearest == "mu");
+    const auto inFormula = [](const std::string& formula) {
+        const auto errors =
+            refused(R"({"parameters": {"width": {"value": 1}, "sine": {"value": 1}}, "duration": {"expr": ")" +
+                    formula + R"("}})");
+        REQUIRE(errors.size() == 1);
+        return errors.front();
+    };
+    CHECK(inFormula("2*widht").nearest == "width");
+    CHECK(inFormula("2*sinr(1)").nearest == "sin"); // although the parameter "sine" is as near
+    CHECK(inFormula("2*sqr (1)").nearest == "sqrt");
+    CHECK(inFormula("2*spin").nearest.empty()); // one letter off a function, which it is not
+    CHECK(inFormula("tan*2").nearest.empty());
+    CHECK(inFormula("2*x").nearest.empty());
+    CHECK(inFormula("widht(1)").what == "unknown function \"widht\" in the formula");
     for (const char* text :
          {"{\"constants\": {\"a\": {\"expr\": \"a\"}}}",
           "{\"constants\": {\"a\": {\"expr\": \"b+1\"}, \"b\": {\"param\": \"c\"}, \"c\": {\"expr\": \"a\"}}}"}) {

@@ -15,6 +15,7 @@
 #include "plugin/identification/replay/drive.h"
 #include "plugin/identification/replay/free_scene.h"
 #include "plugin/identification/replay/load_course.h"
+#include "plugin/identification/replay/pulled_taut.h"
 #include "plugin/identification/replay/scene_of_run.h"
 #include "plugin/identification/replay/test_rig.h"
 #include "plugin/identification/replay/trace.h"
@@ -251,6 +252,8 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
     if (loads)
         first.scene.push_back({e.scene->driveParameter, -1, e.runs[run].driveDisplacement.front()});
     const std::optional<scene::Scene> scene = e.scene ? sceneOf(e, run, first, out.failure) : std::nullopt;
+    if (scene && out.failure.empty())
+        out.failure = pulledTaut(e, run, *scene, effects::modelFor(parameters.effects, "all").apparatus.backlash);
     if (!out.failure.empty())
         return out;
     TestRig rig = scene ? TestRig(e, *scene, parameters, loads ? LoadCourse::forRest(resolution) : resolution)

@@ -198,6 +198,32 @@ void restEffects(World& world) {
     }
 }
 
+bool comeToRest(World& world, effects::ViscousMoments viscous, const std::function<bool()>& settle) {
+    std::vector<effects::MaterialModel> models;
+    for (Rod& rod : world.rods) {
+        effects::MaterialModel& model = rod.effects.material.model;
+        // A rest that is continued from a saved state finds a changed model; settings are as they were.
+        models.push_back(rod.effects.settings.empty() ? model
+                                                      : effects::modelFor(rod.effects.settings, "all").material);
+        model = effects::whileResting(models.back(), viscous);
+    }
+    const bool done = settle();
+    for (std::size_t i = 0; i < models.size(); ++i)
+        world.rods[i].effects.material.model = std::move(models[i]);
+    if (viscous == effects::ViscousMoments::Gone) {
+        restEffects(world);
+        return done;
+    }
+    for (Rod& rod : world.rods) {
+        book(world, rod, -1.0);
+        rod.effects.material.age = 0.0;
+        effects::applyLongRest(rod.effects.surface);
+        refreshEffects(rod);
+        book(world, rod, 1.0);
+    }
+    return done;
+}
+
 effects::EffectEnergies effectEnergies(const World& world) {
     effects::EffectEnergies sum = world.effectsGone;
     for (const Rod& rod : world.rods)

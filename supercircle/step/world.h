@@ -15,6 +15,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -320,6 +321,9 @@ void setEffects(World& world, std::size_t index, const effects::Model& model);
 void setEffectSettings(World& world, std::size_t index, std::vector<effects::Setting> settings);
 /// A long rest: viscous stresses gone, ages zero, surfaces healed.
 void restEffects(World& world);
+/// Lets `settle` bring the shells to rest while their viscous moments are gone, or held as at once, and gives what it
+/// returns. Gone: a long rest follows. Held: they begin to relax after it, from the shape before; surfaces are healed.
+bool comeToRest(World& world, effects::ViscousMoments viscous, const std::function<bool()>& settle);
 /// Everything the shells know about places is told from the new origin `by` (m, in the old frame) on; velocities and
 /// shapes stay. The change of gravity's potential is booked as added.
 void shiftOrigin(World& world, const Vec2& by);

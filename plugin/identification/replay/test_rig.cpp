@@ -101,7 +101,7 @@ TestRig::TestRig(const Experiment& e, const Parameters& p, const Resolution& res
     if (nock_)
         addStrings(e, halfString_);
     chooseSettings(p);
-    settle();
+    settle(effects::ViscousMoments::Gone);
 }
 
 /// Ratio of impulses to those of the reference: the smaller of bending forces and weights, times the period.
@@ -260,12 +260,12 @@ void TestRig::addSpecimen(const Specimen& s, const SpecimenParameters& own, cons
 }
 
 /// Lets standing specimens settle (backward Euler with long steps); clamped ones are in equilibrium.
-void TestRig::settle() {
-    world_.dtNext = kFirstStep * units_.settling;
-    if (!move(0.0, kRest * units_.settling, {}))
+void TestRig::settle(effects::ViscousMoments viscous) {
+    if (!failure_.empty())
         return;
-    step::restEffects(world_);
-    start_ = world_.time;
+    world_.dtNext = kFirstStep * units_.settling;
+    if (step::comeToRest(world_, viscous, [&] { return move(0.0, kRest * units_.settling, {}); }))
+        start_ = world_.time;
 }
 
 double TestRig::nextStep() const {

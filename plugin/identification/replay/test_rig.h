@@ -96,7 +96,7 @@ private:
     void misalign(std::size_t rod, const step::Hold& hold);
     void chooseSettings(const Parameters& p);
     [[nodiscard]] double impulseOf(const Parameters& p) const;
-    void settle();
+    void settle(effects::ViscousMoments viscous);
     /// From here on specimens vibrate.
     void setInMotion();
     [[nodiscard]] double frictionCorrection(double lost, double stored, double work) const;

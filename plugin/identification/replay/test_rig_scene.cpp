@@ -128,10 +128,18 @@ TestRig::TestRig(const experiment::Experiment& e, const scene::Scene& scene, con
         return;
     }
     const bool moves = std::exchange(inMotion_, false);
-    settle();
-    if (!moves)
+    // What nothing drives feels its loads from time 0 on, unless it has come to rest before. A drive begins at rest.
+    const bool sudden = !moves && !scene.protocol && !e.scene->driven && !scene.starts_at_rest;
+    settle(sudden ? effects::ViscousMoments::Held : effects::ViscousMoments::Gone);
+    const bool released = scene.starts_at_rest && std::any_of(scene.loads.begin(), scene.loads.end(),
+                                                              [](const scene::PointLoad& l) { return l.released; });
+    if (!moves && !released)
         return;
     setLoads(scene.loads, false);
+    if (!moves) { // the rest without them, found at once
+        settle(effects::ViscousMoments::Held);
+        return;
+    }
     for (step::Rod& rod : world_.rods) {
         rod.v.setZero();
         step::refreshRod(rod);

@@ -398,7 +398,8 @@ void Session::settleAtStart() {
     step::Settings& settings = shells_.stepper().settings();
     settings.secondOrder = false;
     nextSampleTime_ = nextFrameTime_ = std::numeric_limits<double>::infinity();
-    const bool rests = settle(0.0, kLongest * sizeRatio_);
+    const bool rests = step::comeToRest(shells_.world(), effects::ViscousMoments::Gone,
+                                        [&] { return settle(0.0, kLongest * sizeRatio_); });
     settings.secondOrder = secondOrder_;
     if (!rests)
         return;

@@ -192,6 +192,17 @@ void applyLongRest(Material& m) {
         std::fill(branch.begin(), branch.end(), 0.0);
 }
 
+MaterialModel whileResting(MaterialModel model, ViscousMoments viscous) {
+    constexpr double kForever = 1e9; // of the time that a rest takes over that in which the model changes
+    model.viscosity *= viscous == ViscousMoments::Gone ? 0.0 : kForever;
+    for (MaxwellBranch& branch : model.branches)
+        if (viscous == ViscousMoments::Gone)
+            branch.stiffness = 0.0;
+        else
+            branch.time *= kForever;
+    return model;
+}
+
 MaterialResponse springResponse(const rod::RodModel& rod, const Material& m, int element, double curvature,
                                 double ahead) {
     const double B = rod.definition().bendingModulus;

@@ -32,6 +32,14 @@ Material makeMaterial(const rod::RodModel& rod, const MaterialModel& model);
 /// Resets age and overstress, as after a long rest; plastic curvature stays.
 void applyLongRest(Material& material);
 
+/// How viscous moments act while a rod comes to rest.
+enum class ViscousMoments : std::uint8_t {
+    Gone, ///< as after a long rest: what is left is B (kappa - kappa0)
+    Held  ///< as at once: branches are elastic and dashpots rigid, for they have no time to move
+};
+/// The model with viscous moments of that kind; the branches keep their places.
+MaterialModel whileResting(MaterialModel model, ViscousMoments viscous);
+
 /// The response of one element.
 struct MaterialResponse {
     double moment = 0.0;                  ///< total moment, N m

@@ -1,6 +1,10 @@
 // Scenes that start at rest under loads.
 
+#include "supercircle/effects/effect.h"
 #include "tests/plugin/lab/session/simulation.h"
+
+#include <algorithm>
+#include <cmath>
 
 using namespace supercircle;
 using namespace supercircle::test;
@@ -18,6 +22,21 @@ TEST_CASE("a released cantilever starts with the energy of its load", "[lab]") {
     CHECK(elastic.front() + kinetic.front() == Approx(bent).epsilon(2e-3));
     CHECK(elastic.back() + kinetic.back() == Approx(bent).epsilon(0.03));
     CHECK(work.back() == 0.0); // the load is gone
+}
+
+TEST_CASE("a viscoelastic strip at rest has crept before time 0", "[lab]") {
+    // A relaxation time of a hundred times the longest rest that is simulated.
+    scene::Scene scene = loadScene("experiments/cantilever_vibration", {{"pull", 0.0}, {"gravity", 1.0}});
+    for (const char* word : {"law=standard_linear_solid", "branch_over_B=1", "tau_s=1000"})
+        REQUIRE(effects::add(scene.effects, std::string("viscoelastic_bending:") + word).empty());
+    const record::Recording r = simulate(scene).recording;
+    const std::vector<double>&elastic = *r.series.find("elastic_J"), &kinetic = *r.series.find("kinetic_J");
+    const double b = 2e11 * 0.02 * 1e-9 / 12.0, weight = 7800.0 * 0.02 * 1e-3, length = 0.3; // N m^2, N/m, m
+    const double bent = weight * weight * std::pow(length, 5) / (40.0 * b);
+    REQUIRE(elastic.size() > 10);
+    CHECK(elastic.front() == Approx(bent).epsilon(5e-3));
+    CHECK(elastic.back() == Approx(bent).epsilon(5e-3));
+    CHECK(*std::max_element(kinetic.begin(), kinetic.end()) < 1e-4 * bent);
 }
 
 TEST_CASE("a weight at rest bends a cantilever as the elastica", "[lab]") {

@@ -11,10 +11,16 @@
 #include "plugin/recording/experiment/load.h"
 #include "supercircle/step/parallel.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace supercircle::cli {
@@ -39,10 +45,63 @@ std::string firstSteps(const experiment::Experiment& e, const replay::Parameters
 /// Whether all runs are short enough for some fifty simulations of each: single presses take 1 to 13 s of one core.
 bool shortEnough(const experiment::Experiment& e) {
     const std::uint64_t most = experiment::isMechanism(e) ? 100000 : 2000; // coarse steps of all runs
-    std::uint64_t steps = 0;
-    for (std::size_t run = 0; run < e.runs.size() && steps <= most; ++run)
-        steps += replay::simulate(e, run, replay::nominal(e), replay::Resolution::coarse()).steps;
-    return steps <= most;
+    std::uint64_t steps = 0, before = 0;
+    std::atomic<bool> enough{false};
+    for (std::size_t run = 0; run < e.runs.size() && !enough; ++run) {
+        before += replay::simulate(e, run, replay::nominal(e), replay::Resolution::coarse(),
+                                   {&enough, [&](double) { enough = ++steps > most; }})
+                      .steps;
+        steps = before; // a driven load tells its rows only
+        enough = enough || steps > most;
+    }
+    return !enough;
+}
+
+/// Becomes true at a time that can be put off, while it lives.
+class Deadline {
+public:
+    using Clock = std::chrono::steady_clock;
+    explicit Deadline(Clock::time_point at) : at_(at), watch_([this] { watch(); }) {}
+    ~Deadline() {
+        set(Clock::time_point::max(), true);
+        watch_.join();
+    }
+    Deadline(const Deadline&) = delete;
+    Deadline& operator=(const Deadline&) = delete;
+    void set(Clock::time_point at) { set(at, false); }
+    std::atomic<bool> over{false};
+
+private:
+    void set(Clock::time_point at, bool ends) {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            at_ = at;
+            ends_ = ends;
+            over = false;
+        }
+        wake_.notify_one();
+    }
+    void watch() {
+        std::unique_lock<std::mutex> lock(mutex_);
+        while (!ends_) {
+            if (over || at_ == Clock::time_point::max())
+                wake_.wait(lock);
+            else if (const Clock::time_point at = at_; Clock::now() >= at)
+                over = true;
+            else
+                wake_.wait_until(lock, at);
+        }
+    }
+
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    Clock::time_point at_;
+    bool ends_ = false;
+    std::thread watch_; // the last member: it uses the others
+};
+
+void tellLongRuns() {
+    std::printf("  long runs: `supercircle sensitivity` shows which numbers they see\n");
 }
 
 /// Prints which stated numbers and effects these runs could see.
@@ -51,18 +110,41 @@ void tellVisible(const experiment::Experiment& e) {
     const diagnosis::Noise noise = diagnosis::estimateNoise(data);
     if (noise.total() <= 0.0)
         return;
-    if (!shortEnough(e)) {
-        std::printf("  long runs: `supercircle sensitivity` shows which numbers they see\n");
-        return;
-    }
-    const diagnosis::ReplayModel model(e);
+    if (!shortEnough(e))
+        return tellLongRuns();
+    // Steps do not bound it: an effect may take twenty times as many as the stated numbers. It gets four times as long.
+    constexpr double kSlower = 4.0;
+    using Clock = Deadline::Clock;
+    const Clock::time_point begin = Clock::now(), end = begin + std::chrono::seconds(5);
+    Deadline limit(end);
+    const diagnosis::ReplayModel model(e, {}, &limit.over);
+    const Clock::time_point modelled = Clock::now();
     diagnosis::SimulationCache cache;
-    diagnosis::Evaluator evaluator(model, e.runs.size(), step::threadLoop(cores(8)), cache);
-    const diagnosis::Visibility found = diagnosis::visibilityOf(data, noise, evaluator);
+    diagnosis::Evaluator evaluator(model, e.runs.size(), step::threadLoop(cores(8)), cache, &limit.over);
+    std::size_t simulations = 0;
+    evaluator.onRun = [&] { ++simulations; };
+    std::optional<Clock::duration> slice; // of an effect
+    const auto next = [&] {
+        const Clock::time_point now = Clock::now();
+        if (!slice) {
+            const double points = static_cast<double>(simulations) / static_cast<double>(e.runs.size());
+            slice = std::max<Clock::duration>(
+                std::chrono::milliseconds(50),
+                std::chrono::duration_cast<Clock::duration>(kSlower / std::max(points, 1.0) * (now - modelled)));
+        }
+        limit.set(std::min(end, now + *slice));
+        return now < end;
+    };
+    diagnosis::Visibility found;
+    try {
+        found = diagnosis::visibilityOf(data, noise, evaluator, next);
+    } catch (const diagnosis::Stopped&) {
+        return tellLongRuns();
+    }
     if (!found.failure.empty())
         return;
     std::printf("  with a noise of %.2g %s these runs could see:\n", noise.total(), data.unit.c_str());
-    std::string unseen, like, weak;
+    std::string unseen, like, weak, untried;
     const auto add = [](std::string& list, const std::string& what) { list += (list.empty() ? "" : ", ") + what; };
     for (const diagnosis::VisibleNumber& n : found.numbers)
         if (n.seen())
@@ -77,9 +159,12 @@ void tellVisible(const experiment::Experiment& e) {
             add(like, effect.label + (effect.like.empty() ? "" : " (by " + effect.like + ")"));
         else
             add(weak, effect.label);
+    for (const std::string& label : found.untried)
+        add(untried, label);
     for (const auto& [words, list] : {std::pair{"numbers that stay within their intervals", &unseen},
                                       {"effects that stated numbers imitate", &like},
-                                      {"effects that noise hides", &weak}})
+                                      {"effects that noise hides", &weak},
+                                      {"effects that take too long here", &untried}})
         if (!list->empty())
             std::printf("    %s: %s\n", words, list->c_str());
 }
@@ -87,6 +172,7 @@ void tellVisible(const experiment::Experiment& e) {
 } // namespace
 
 int checkExperiment(const std::string& file, const std::vector<std::string>& parameters) {
+    endOnSignal(); // it writes no file
     std::vector<scene::Problem> problems;
     const auto loaded =
         experiment::load(file, problems, allowOutside ? experiment::Outside::Allowed : experiment::Outside::Refused);

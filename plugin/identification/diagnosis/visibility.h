@@ -7,6 +7,7 @@
 #include "plugin/identification/diagnosis/evaluator.h"
 #include "plugin/identification/diagnosis/noise.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,9 +34,12 @@ struct Visibility {
     std::string failure; ///< why the runs cannot be simulated; empty: they can
     std::vector<VisibleNumber> numbers;
     std::vector<VisibleEffect> effects; ///< of the whole catalogue that could act, best seen first
+    std::vector<std::string> untried;   ///< effects that an interrupt left out
 };
 
-/// Throws Stopped.
-Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator& evaluator);
+/// Throws Stopped where an interrupt comes before the numbers are known; later ones leave out effects.
+/// @param next asked before each effect: false leaves out the others. It may take back an interrupt
+Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator& evaluator,
+                        const std::function<bool()>& next = {});
 
 } // namespace supercircle::diagnosis

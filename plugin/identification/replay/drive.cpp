@@ -76,6 +76,7 @@ private:
         times.insert(times.end(), run_.readings.time.begin(), run_.readings.time.end());
         std::sort(times.begin(), times.end());
         times.erase(std::unique(times.begin(), times.end()), times.end());
+        const auto stop = [&] { return stopped_ = options_.interrupt != nullptr && options_.interrupt->load(); };
         const auto seen = [&] {
             trace_.forces.push_back({clock_, 0.0});
             addMarkers(clock_);
@@ -89,19 +90,19 @@ private:
             const auto change = [&] { // a step is implicit: it has the load of its end
                 const double share = std::min(1.0, (rig_.time() + rig_.nextStep() - begin) / duration);
                 loads_->set(rig_, from + share * (to - from));
-                return false;
+                return stop();
             };
             change();
             if (!rig_.move(0.0, duration, change))
                 break;
             loads_->set(rig_, to);
-            if (!rig_.move(0.0, kRest * time, {}))
+            if (!rig_.move(0.0, kRest * time, stop))
                 break;
             clock_ = times[i];
             seen();
             if (options_.progress)
                 options_.progress((clock_ - run_.driveTime.front()) / (run_.driveTime.back() - run_.driveTime.front()));
-            stopped_ = options_.interrupt != nullptr && options_.interrupt->load();
+            (void)stop();
         }
         return std::move(trace_);
     }

@@ -178,3 +178,12 @@ TEST_CASE("an interrupted command is exit 130 and leaves no half file") {
                 CHECK_THAT(name, !Contains(half));
     }
 }
+
+TEST_CASE("check of an experiment hears a signal while it simulates", "[cli]") {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const CommandResult ending = start({"check", kCase}, {.signal = signal}); // once it printed that it is valid
+        INFO(ending.err);
+        CHECK(ending.code == 130);
+        CHECK_THAT(ending.out, Contains("valid experiment"));
+    }
+}

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace supercircle::diagnosis {
 
@@ -26,6 +29,36 @@ Eigen::VectorXd changeOf(const Likelihood& likelihood, const std::vector<Respons
     return d ? *d : Eigen::VectorXd::Zero(likelihood.rows());
 }
 
+/// The stated numbers with each effect of the catalogue at a noticeable size: every effect once, then other laws of it.
+std::vector<ParameterPoint> probesOf(const Model& model, const ParameterPoint& stated) {
+    std::vector<ParameterPoint> probes, others;
+    std::set<std::string> labels;
+    for (std::size_t c = 0; c < model.candidates().size(); ++c) {
+        const CandidateEffect& candidate = model.candidates()[c];
+        if (candidate.learned || candidate.probes.empty())
+            continue;
+        std::vector<ParameterPoint>& list = labels.insert(candidate.label).second ? probes : others;
+        list.push_back(stated);
+        list.back().terms.push_back({c, candidate.probes.front()});
+    }
+    probes.insert(probes.end(), others.begin(), others.end());
+    return probes;
+}
+
+/// All runs at each point, none where it was interrupted. One after another: `next` is asked before each.
+std::vector<std::vector<Response>> simulateEach(Evaluator& evaluator, const std::vector<ParameterPoint>& points,
+                                                const std::function<bool()>& next) {
+    std::vector<std::vector<Response>> all(points.size());
+    for (std::size_t p = 0; p < points.size() && (!next || next()); ++p)
+        try {
+            all[p] = std::move(evaluator.simulateAllRuns({points[p]}, Fidelity::Coarse).front());
+        } catch (const Stopped&) {
+            if (!next)
+                break;
+        }
+    return all;
+}
+
 } // namespace
 
 bool VisibleNumber::seen() const {
@@ -40,7 +73,8 @@ bool VisibleEffect::imitated() const {
     return !seen() && change >= kSeen;
 }
 
-Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator& evaluator) {
+Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator& evaluator,
+                        const std::function<bool()>& next) {
     Visibility out;
     const Model& model = evaluator.model();
     const std::vector<Scalar>& nominal = model.nominal();
@@ -55,11 +89,6 @@ Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator&
         points.push_back(stated);
         points.back().nominal[i] += steps.back() * s.step;
     }
-    for (std::size_t c = 0; c < model.candidates().size(); ++c)
-        if (!model.candidates()[c].learned && !model.candidates()[c].probes.empty()) {
-            points.push_back(stated);
-            points.back().terms.push_back({c, model.candidates()[c].probes.front()});
-        }
     const std::vector<std::vector<Response>> all = evaluator.simulateAllRuns(points, Fidelity::Coarse);
     const std::vector<Response>& base = all.front();
     for (std::size_t r = 0; r < base.size(); ++r)
@@ -86,11 +115,19 @@ Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator&
         const double known = unit / std::sqrt(s.precision > 0.0 ? s.precision : kPrior);
         out.numbers.push_back({s.name, s.unit, unit, known, unit * std::sqrt(covariance(i, i))});
     }
-    for (std::size_t p = nominal.size() + 1; p < points.size(); ++p) {
-        const Eigen::VectorXd change = changeOf(likelihood, all[p], base);
+    const std::vector<ParameterPoint> probes = probesOf(model, stated);
+    const std::vector<std::vector<Response>> probed = simulateEach(evaluator, probes, next);
+    for (std::size_t p = 0; p < probes.size(); ++p) {
+        const std::string& label = model.candidates()[probes[p].terms.front().candidate].label;
+        if (probed[p].empty()) {
+            if (std::find(out.untried.begin(), out.untried.end(), label) == out.untried.end())
+                out.untried.push_back(label);
+            continue;
+        }
+        const Eigen::VectorXd change = changeOf(likelihood, probed[p], base);
         const Eigen::VectorXd shared = jacobian.transpose() * change;
         VisibleEffect e;
-        e.label = model.candidates()[points[p].terms.front().candidate].label;
+        e.label = label;
         e.change = change.norm();
         e.own = std::sqrt(std::max(0.0, change.squaredNorm() - shared.dot(covariance * shared)));
         double most = kLike * change.squaredNorm();
@@ -106,6 +143,10 @@ Visibility visibilityOf(const RecordedData& data, const Noise& noise, Evaluator&
         else if (e.own > known->own)
             *known = std::move(e);
     }
+    std::erase_if(out.untried, [&](const std::string& label) { // another law of it was tried
+        return std::any_of(out.effects.begin(), out.effects.end(),
+                           [&](const VisibleEffect& e) { return e.label == label; });
+    });
     std::stable_sort(out.effects.begin(), out.effects.end(),
                      [](const VisibleEffect& a, const VisibleEffect& b) { return a.own > b.own; });
     return out;

@@ -4,6 +4,7 @@
 #include "tests/plugin/identification/diagnosis/toy.h"
 
 #include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -86,4 +87,27 @@ TEST_CASE("effects are seen, imitated or too weak", "[diagnosis][visibility]") {
     const Visibility noisy = visible(toy::recordings(2), 10.0);
     CHECK_FALSE(effect(noisy, "dashpot").seen());
     CHECK_FALSE(effect(noisy, "dashpot").imitated());
+}
+
+TEST_CASE("an interrupt leaves out effects, not the numbers", "[diagnosis][visibility]") {
+    const RecordedData data = toy::recordings(2);
+    const toy::Spring model(data);
+    const Visibility whole = visible(data, 0.01);
+    CHECK(whole.untried.empty());
+    const auto stoppedAfter = [&](std::size_t simulations) {
+        SimulationCache cache;
+        std::atomic<bool> enough{simulations == 0};
+        Evaluator evaluator(model, data.runs.size(), {}, cache, &enough);
+        std::size_t done = 0;
+        evaluator.onRun = [&] { enough = ++done >= simulations; };
+        return visibilityOf(data, white(0.01), evaluator);
+    };
+    const std::size_t numbers = data.runs.size() * (1 + model.nominal().size());
+    const Visibility some = stoppedAfter(numbers + 1); // in the first effect
+    REQUIRE(some.numbers.size() == whole.numbers.size());
+    for (std::size_t i = 0; i < whole.numbers.size(); ++i)
+        CHECK(some.numbers[i].left == whole.numbers[i].left);
+    CHECK(some.effects.empty());
+    CHECK(some.untried.size() == whole.effects.size());
+    CHECK_THROWS_AS(stoppedAfter(numbers - 1), Stopped);
 }

@@ -68,10 +68,7 @@ void findIntruders(const World& world, HostCouplingWork& work) {
 /// False: only past shells that let it pass.
 bool putBackCrossing(const World& world, const PairFilter& filter, Port& port, HostCouplingWork& work, Body& b) {
     HostCoupling& h = b.hostCoupling;
-    const auto belongs = [&](const BodyOutline& o) { return o.body == b.id; };
-    const auto first = std::find_if(world.outlines.begin(), world.outlines.end(), belongs);
-    const auto last = std::find_if_not(first, world.outlines.end(), belongs);
-    const double share = freeShare(world, {first, last}, b.state, h.seen, filter, work);
+    const double share = freeShare(world, outlinesOf(world.outlines, b.id), b.state, h.seen, filter, work);
     if (share >= 1.0)
         return false;
     if (!h.coupled)

@@ -140,18 +140,16 @@ void putBackStrays(World& world, const PairFilter& filter, Port& port, HostCoupl
         return;
     takeCurves(world, work);
     for (const StrayBody& s : work.strays) {
-        const auto belongs = [&](const BodyOutline& o) { return o.body == s.body; };
-        const auto first = std::find_if(work.strayOutlines.begin(), work.strayOutlines.end(), belongs);
-        const auto last = std::find_if_not(first, work.strayOutlines.end(), belongs);
+        const std::span<const BodyOutline> pieces = outlinesOf(work.strayOutlines, s.body);
         BodyState now, from;
-        if (first == last || !port.state(s.body, now))
+        if (pieces.empty() || !port.state(s.body, now))
             continue;
         const int index = bodyIndex(world, s.body);
         Body* copy = index >= 0 ? &world.bodies[static_cast<std::size_t>(index)] : nullptr;
         const bool known = copy != nullptr && copy->hostCoupling.known;
         from.centre = known ? copy->state.centre : s.centre;
         from.angle = known ? copy->state.angle : s.angle;
-        const double share = freeShare(world, {first, last}, from, now, filter, work);
+        const double share = freeShare(world, pieces, from, now, filter, work);
         if (share >= 1.0)
             continue;
         moveAlong(from, now, share, now);

@@ -9,7 +9,9 @@
 #include "supercircle/step/coupling/host_coupling.h"
 #include "supercircle/step/stepper.h"
 
+#include <algorithm>
 #include <span>
+#include <vector>
 
 namespace supercircle::step {
 
@@ -18,6 +20,16 @@ void depths(const std::vector<contact::Outline>& outlines, HostCouplingWork& wor
 
 /// The shells where they are: HostCouplingWork::curves.
 void takeCurves(const World& world, HostCouplingWork& work);
+
+/// The outlines of one body, which stand together (before() in port.h). By pointer and number, because libc++ 13 makes
+/// no span of two iterators of a vector.
+inline std::span<const BodyOutline> outlinesOf(const std::vector<BodyOutline>& outlines, BodyId body) {
+    const auto belongs = [&](const BodyOutline& o) { return o.body == body; };
+    const auto first = std::find_if(outlines.begin(), outlines.end(), belongs);
+    const auto last = std::find_if_not(first, outlines.end(), belongs);
+    return std::span(outlines).subspan(static_cast<std::size_t>(first - outlines.begin()),
+                                       static_cast<std::size_t>(last - first));
+}
 
 /// Part of the straight way between two poses on which the outlines of a body cross no shell that stops them, 1: all of
 /// it. It ends where the first one is touched.

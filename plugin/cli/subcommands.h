@@ -84,6 +84,7 @@ struct DiagnoseArguments {
     std::vector<std::string> without; ///< effects left out of the catalogue
     std::vector<std::string> ablate;  ///< parts left out: whitening, cross_validation, screening, open_set
     double timeLimit = 10.0;          ///< minutes, 0: none
+    double cpuLimit = 0.0;            ///< minutes of processor time, 0: none
     bool skipNextExperiment = false;  ///< no next experiment is looked for
     bool quiet = false;
 };

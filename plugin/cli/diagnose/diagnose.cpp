@@ -103,6 +103,11 @@ std::string cacheName(std::vector<std::string> without, const std::vector<diagno
     return name.substr(0, kLongest) + ".cache";
 }
 
+/// Of the program, reading included, s.
+double cpuSeconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
 diagnosis::Diagnosis work(const DiagnoseArguments& a, const std::vector<diagnosis::StartedLaw>& laws,
                           const experiment::Experiment& experiment, const OutputFolder& folder,
                           diagnosis::StoredFits& fits, std::string& wrongLaw, std::string& error) {
@@ -123,8 +128,10 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const std::vector<diagnosi
         return {};
     const auto end = begin + std::chrono::duration<double>(60.0 * a.timeLimit);
     const bool limited = a.timeLimit > 0.0;
-    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), cache, &interrupted,
-                                   [=] { return limited && std::chrono::steady_clock::now() >= end; });
+    const double cpuLimit = 60.0 * a.cpuLimit;
+    diagnosis::Evaluator evaluator(model, experiment.runs.size(), step::threadLoop(a.jobs), cache, &interrupted, [=] {
+        return (limited && std::chrono::steady_clock::now() >= end) || (cpuLimit > 0.0 && cpuSeconds() >= cpuLimit);
+    });
     diagnosis::DiagnosisSettings settings;
     settings.seed = static_cast<std::uint64_t>(a.seed);
     settings.ablation = ablationOf(a.ablate);
@@ -133,7 +140,7 @@ diagnosis::Diagnosis work(const DiagnoseArguments& a, const std::vector<diagnosi
     settings.progress = [&](double fraction, const std::string& stage) { line.show(fraction, stage); };
     diagnosis::Diagnosis found = diagnosis::diagnose(diagnosis::recordedDataOf(experiment), evaluator, settings);
     found.elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    found.cpuSeconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC; // of the program, reading included
+    found.cpuSeconds = cpuSeconds();
     if (!found.stopped && found.failure.empty())
         fits = diagnosis::storedFitsOf(model, experiment, found);
     if (const std::string lost = cache.failure(); !lost.empty())

@@ -291,6 +291,12 @@ Subcommand describeDiagnose(CLI::App& app) {
         ->check(CLI::Range(0.0, 1e6).description(""))
         ->type_name("MINUTES")
         ->capture_default_str();
+    subcommand
+        ->add_option("--cpu-limit", a.cpuLimit,
+                     "the same in minutes of processor time, which other programs do not shorten. 0: no limit")
+        ->check(CLI::Range(0.0, 1e6).description(""))
+        ->type_name("MINUTES")
+        ->capture_default_str();
     subcommand->add_flag(
         "--skip-next-experiment", a.skipNextExperiment,
         "do not choose a next experiment (it takes a hundred simulations or more); a later command without this\n"

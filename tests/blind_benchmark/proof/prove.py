@@ -29,6 +29,9 @@ import rivals  # noqa: E402
 import scoring  # noqa: E402
 
 CPU_LIMIT = 900  # s of the processor; a diagnosis that takes longer is a time-out
+# Minutes of the processor, after which the best verdict so far is written, which takes a part of the tenth. Other work
+# on the computer must not end a diagnosis, as it did in four cases of proof_2.
+BEST_VERDICT = "9"
 PATIENCE = 4 * CPU_LIMIT  # s, elapsed: it waits for something that does not come
 
 
@@ -172,7 +175,8 @@ def diagnose_one(folder, program, name):
     to, recordings = folder / "diagnoses" / name, folder / "cases" / name
     shutil.rmtree(to, ignore_errors=True)  # a cache of a stopped diagnosis would make it look cheap
     code, cpu, message = run_program([program, "diagnose", str(recordings / "experiment.json"), "--out", str(to),
-                                      "--jobs", "1", "--skip-next-experiment", "--quiet"])
+                                      "--jobs", "1", "--skip-next-experiment", "--quiet", "--time-limit", "0",
+                                      "--cpu-limit", BEST_VERDICT])
     if code in (130, -signal.SIGINT):
         raise KeyboardInterrupt
     result = {"exit": "done" if code == 0 else f"refused ({code})" if code != "time-out" else code, "cpu_s": cpu,

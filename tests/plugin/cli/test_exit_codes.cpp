@@ -187,3 +187,14 @@ TEST_CASE("check of an experiment hears a signal while it simulates", "[cli]") {
         CHECK_THAT(ending.out, Contains("valid experiment"));
     }
 }
+
+TEST_CASE("a limit of time or of processor time ends a diagnosis with a verdict") {
+    for (const char* option : {"--time-limit", "--cpu-limit"}) {
+        const Folder folder;
+        const CommandResult ending = start({"diagnose", kCase, option, "1e-4", "--quiet", "--out", folder / "out"});
+        INFO(option << "\n" << ending.err);
+        CHECK(ending.code == 0);
+        const std::string text = contentOf(folder / "out/diagnosis.json");
+        CHECK_THAT(text, Contains("The time limit ended the diagnosis"));
+    }
+}

@@ -54,12 +54,13 @@ def simulate(numbers, run, times, effects):
     viscous = value(effects, "viscoelastic_bending", "eta_over_B_s")
     branch, tau = (value(effects, "viscoelastic_bending", n, off) for n, off in (("branch_over_B", 0.0), ("tau_s", 1.0)))
     fall, time = (value(effects, "softening_over_time", n, off) for n, off in (("drop", 0.0), ("tau_s", 1.0)))
-    air = value(effects, "outside:air", "quadratic_N_s2_m2")
+    pull, reach = (value(effects, "outside:magnet", n, off) for n, off in (("stiffness_N_m", 0.0), ("reach_m", 1.0)))
     stop, gap = (value(effects, "outside:bumper", n) for n in ("stiffness_N_m", "gap_m"))
 
     def change(t, y):  # deflections of the modes, their speeds, stress of the Maxwell branch
         a, v, s = y.reshape(3, MODES)
-        load = -air * abs(end @ v) * (end @ v) - stop * max(end @ a - gap, 0.0)
+        tip = end @ a
+        load = -pull * tip / (1.0 + (tip / reach)**2)**2 - stop * max(tip - gap, 0.0)
         soft = 1.0 - fall * (1.0 - math.exp(-t / time))
         return np.concatenate((v, -squares * (soft * a + viscous * v + s) + end * load, branch * v - s / tau))
 
@@ -85,6 +86,12 @@ def _bumper(draw):
     return lambda a: Effect("outside:bumper", {"stiffness_N_m": 2.0 * a, "gap_m": gap})
 
 
+def _magnet(draw):
+    """Beside the place of rest: it holds the end there, and lets go of it at a larger deflection."""
+    reach = draw.uniform(1e-3, 2e-3)
+    return lambda a: Effect("outside:magnet", {"stiffness_N_m": 0.5 * a, "reach_m": reach})
+
+
 FAMILIES = [
     Family("kelvin_voigt", "viscoelastic_bending",
            of("viscoelastic_bending", "eta_over_B_s", 1e-4, "Kelvin-Voigt")),
@@ -92,4 +99,4 @@ FAMILIES = [
     Family("softening", "softening_over_time", _fall, 60.0),
     Family("delay", "sensor_delay", of("sensor_delay", "delay_s", 2e-3, "pure")),
 ]
-OUTSIDE = [Family("air", "", of("outside:air", "quadratic_N_s2_m2", 5e-3)), Family("bumper", "", _bumper)]
+OUTSIDE = [Family("magnet", "", _magnet), Family("bumper", "", _bumper)]

@@ -1,8 +1,9 @@
 #include "plugin/identification/diagnosis/estimation/homogeneity.h"
 
+#include "plugin/identification/diagnosis/box_qp.h"
 #include "plugin/identification/diagnosis/localisation/localise.h"
+#include "plugin/identification/diagnosis/model/stated_numbers.h"
 
-#include <Eigen/QR>
 #include <boost/math/distributions/chi_squared.hpp>
 
 namespace supercircle::diagnosis {
@@ -36,9 +37,13 @@ void nameNumber(const Model& model, const Likelihood& likelihood, const FitResul
         if (!(q > most))
             continue;
         most = q;
-        const Eigen::VectorXd own = J.completeOrthogonalDecomposition()
-                                        .solve(fitted.residual)
-                                        .tail(static_cast<Eigen::Index>(likelihood.runs()));
+        // Numbers that change the readings alike would without bounds share any value among them.
+        const auto runs = static_cast<Eigen::Index>(likelihood.runs());
+        Eigen::VectorXd lower(J.cols()), upper(J.cols());
+        lower << v.lower - fitted.x, Eigen::VectorXd::Constant(runs, -kFarthestNumber - fitted.x[i]);
+        upper << v.upper - fitted.x, Eigen::VectorXd::Constant(runs, kFarthestNumber - fitted.x[i]);
+        const Eigen::VectorXd own =
+            solveBoxQp(J.transpose() * J, J.transpose() * fitted.residual, lower, upper).tail(runs);
         const Scalar& number = v.scalar(i);
         const auto valueOf = [&](double by) { // beyond the interval, too
             return toPhysical(number.scale, number.value + (fitted.x[i] + by) * number.step);

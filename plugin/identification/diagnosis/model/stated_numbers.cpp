@@ -9,9 +9,6 @@ namespace supercircle::diagnosis {
 
 namespace {
 
-/// Farthest from the stated value, in half-widths of its interval. Half of it misses a decimal lost from a number known
-/// to 5 %; twice as much makes no difference to numbers that are farther off by a factor of two.
-constexpr double kFarthest = 20.0;
 /// Of a number of one sign, where half-widths reach farther. A friction was 0.17 of the stated one: at a factor of five
 /// it ended at its bound, and wear of a short way took its place. Half still holds it; double costs nothing where
 /// half-widths end before.
@@ -28,8 +25,8 @@ void addStatedNumbers(const std::vector<Scalar>& nominal, CandidateEffects& all)
         s.amplitude = true;
         s.precision = 0.0;
         s.specimen = -1;
-        s.upper = s.value + kFarthest * s.step;
-        s.lower = s.value - kFarthest * s.step;
+        s.upper = s.value + kFarthestNumber * s.step;
+        s.lower = s.value - kFarthestNumber * s.step;
         if (s.scale == Scale::Logarithm) {
             s.lower = std::max(s.lower, s.value - math::log(kFactor));
             s.upper = std::min(s.upper, s.value + math::log(kFactor));

@@ -9,6 +9,10 @@
 
 namespace supercircle::diagnosis {
 
+/// Farthest from the stated value, in half-widths of its interval. Half of it misses a decimal lost from a number known
+/// to 5 %; twice as much makes no difference to numbers that are farther off by a factor of two.
+constexpr double kFarthestNumber = 20.0;
+
 /// Adds a candidate for each doubtful number.
 /// @param nominal the scalars that a fit may change
 void addStatedNumbers(const std::vector<Scalar>& nominal, CandidateEffects& candidates);

@@ -286,7 +286,7 @@ std::string wrongNumberSentence(const Diagnosis& d) {
 /// That runs want different numbers, where nothing else explains them.
 std::string homogeneitySentence(const Diagnosis& d) {
     const Homogeneity& h = d.homogeneity;
-    if (!h.differ() || h.values.empty() || d.verdict == "identified" || d.verdict == "ambiguous")
+    if (!h.differ() || h.values.empty() || d.wrongNumber || d.verdict == "identified" || d.verdict == "ambiguous")
         return {};
     const auto [least, most] = std::minmax_element(h.values.begin(), h.values.end(),
                                                    [](const auto& a, const auto& b) { return a.second < b.second; });

@@ -34,28 +34,41 @@ std::vector<double> scaledValues(const CandidateEffect& c, const std::vector<dou
     return out;
 }
 
-/// Best scale factor of a signature beside the fitted parameters, and the gain.
-void explain(const FitResult& fitted, const Variables& v, const CandidateEffect& candidate, ScreenedProbe& out) {
-    const Eigen::VectorXd& s = out.signature;
-    const Eigen::Index n = v.size();
+double explainTogether(const FitResult& fitted, const Variables& v,
+                       const std::vector<const CandidateEffect*>& candidates,
+                       const std::vector<const Eigen::VectorXd*>& signatures, std::vector<double>& factors) {
+    const Eigen::Index n = v.size(), more = static_cast<Eigen::Index>(signatures.size());
     const Eigen::MatrixXd G = fitted.jacobian.transpose() * fitted.jacobian + v.penalty;
     const Eigen::VectorXd g = fitted.jacobian.transpose() * fitted.residual - v.penalty * fitted.x;
-    Eigen::MatrixXd all(n + 1, n + 1);
+    Eigen::MatrixXd all(n + more, n + more);
+    Eigen::VectorXd right(n + more), lower(n + more), upper(n + more);
     all.topLeftCorner(n, n) = G;
-    all.topRightCorner(n, 1) = fitted.jacobian.transpose() * s;
-    all.bottomLeftCorner(1, n) = all.topRightCorner(n, 1).transpose();
-    all(n, n) = s.squaredNorm();
-    Eigen::VectorXd right(n + 1), lower(n + 1), upper(n + 1);
-    right << g, s.dot(fitted.residual);
+    right.head(n) = g;
+    lower.head(n) = v.lower - fitted.x;
+    upper.head(n) = v.upper - fitted.x;
     constexpr double kFar = 4.0; // largest scale factor of a probe
-    lower << v.lower - fitted.x, (bothSigns(candidate) ? -kFar : 0.0);
-    upper << v.upper - fitted.x, kFar;
+    for (Eigen::Index k = 0; k < more; ++k) {
+        const Eigen::VectorXd& s = *signatures[static_cast<std::size_t>(k)];
+        all.block(0, n + k, n, 1) = fitted.jacobian.transpose() * s;
+        all.block(n + k, 0, 1, n) = all.block(0, n + k, n, 1).transpose();
+        for (Eigen::Index l = 0; l <= k; ++l)
+            all(n + k, n + l) = all(n + l, n + k) = s.dot(*signatures[static_cast<std::size_t>(l)]);
+        right[n + k] = s.dot(fitted.residual);
+        lower[n + k] = bothSigns(*candidates[static_cast<std::size_t>(k)]) ? -kFar : 0.0;
+        upper[n + k] = kFar;
+    }
     const Eigen::VectorXd x = solveBoxQp(all, right, lower, upper);
     const Eigen::VectorXd alone =
         solveBoxQp(G, g, v.lower - fitted.x, v.upper - fitted.x); // the fit may not be converged
     const double with = x.dot(all * x) - 2.0 * right.dot(x), without = alone.dot(G * alone) - 2.0 * g.dot(alone);
-    out.factor = x[n];
-    out.gain = std::max(0.0, without - with);
+    factors.assign(x.begin() + n, x.end());
+    return std::max(0.0, without - with);
+}
+
+void explain(const FitResult& fitted, const Variables& v, const CandidateEffect& candidate, ScreenedProbe& out) {
+    std::vector<double> factor;
+    out.gain = explainTogether(fitted, v, {&candidate}, {&out.signature}, factor);
+    out.factor = factor.front();
     out.values = scaledValues(candidate, out.values, out.factor);
 }
 

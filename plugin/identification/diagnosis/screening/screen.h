@@ -43,6 +43,12 @@ std::vector<ScreenedProbe> screen(Evaluator& evaluator, const Likelihood& likeli
 /// @param out its values are those of the probe
 void explain(const FitResult& fitted, const Variables& variables, const CandidateEffect& candidate, ScreenedProbe& out);
 
+/// The decrease of |residual|^2 that several signatures can bring together, in linear approximation.
+/// @param factors receives the best factor of each
+double explainTogether(const FitResult& fitted, const Variables& variables,
+                       const std::vector<const CandidateEffect*>& candidates,
+                       const std::vector<const Eigen::VectorXd*>& signatures, std::vector<double>& factors);
+
 /// The values of a probe at the amplitude with the largest gain. If the linearised amplitude keeps less than half of
 /// its gain, others are simulated, because a law with a threshold has no effect below it.
 std::vector<double> bestAmplitudeValues(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& fitted,

@@ -72,6 +72,8 @@ private:
     [[nodiscard]] bool residualTooLarge() const;
     [[nodiscard]] bool pairsCanCount(double dispersion) const;
     void tryPairs();
+    [[nodiscard]] bool numbersCanCount() const;
+    void tryNumbers();
     void refitParts(const FittedHypothesis& pair);
     void tryLearned(double left);
     void rank(double dispersion);
@@ -84,7 +86,7 @@ private:
     /// What extends the search, in its order.
     const std::vector<std::string> furtherParts{"other variants of the best laws",
                                                 "the best laws from the stated parameters", "two effects at a time",
-                                                "learned laws"};
+                                                "two stated numbers at a time", "learned laws"};
     std::ptrdiff_t done_ = 0; ///< how many of them
 };
 
@@ -181,6 +183,13 @@ void HypothesisSearch::extendSearch() {
         }
     }
     done_ = 3;
+    if (numbersCanCount()) {
+        const std::size_t before = out_.hypotheses.size();
+        tryNumbers();
+        for (std::size_t i = before; i < out_.hypotheses.size(); ++i)
+            left = std::min(left, share(out_.hypotheses[i]));
+    }
+    done_ = 4;
     if (input_.p <= 0.01 && left > kResidualShare && !input_.settings.ablation.openSet)
         tryLearned(left);
 }
@@ -247,6 +256,26 @@ void HypothesisSearch::tryPairs() {
         if (stopped())
             return;
         refitParts(t);
+        t.held = scored(t.fit);
+        out_.hypotheses.push_back(std::move(t));
+    }
+}
+
+/// Whether physics explains what stated numbers might: a dent does what another height and another stiffness do.
+bool HypothesisSearch::numbersCanCount() const {
+    if (input_.p > 0.01 || out_.hypotheses.empty())
+        return false;
+    const std::vector<std::size_t>& best = out_.hypotheses.front().candidates;
+    return std::any_of(best.begin(), best.end(),
+                       [&](std::size_t c) { return !input_.evaluator.model().candidates()[c].isNumber(); });
+}
+
+void HypothesisSearch::tryNumbers() {
+    stage_(0.83, "two stated numbers at a time");
+    for (FittedHypothesis& t :
+         fitTwoNumbers(input_.evaluator, input_.likelihood, input_.base, input_.screened, out_.hypotheses)) {
+        if (stopped())
+            return;
         t.held = scored(t.fit);
         out_.hypotheses.push_back(std::move(t));
     }

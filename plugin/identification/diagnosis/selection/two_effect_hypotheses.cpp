@@ -3,6 +3,7 @@
 #include "plugin/identification/diagnosis/selection/law_variants.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -75,6 +76,92 @@ std::vector<FittedHypothesis> fitTwoEffects(Evaluator& evaluator, const Likeliho
         }
     }
     return pairs;
+}
+
+namespace {
+
+/// Two numbers, and what they explain together.
+struct NumberPair {
+    const ScreenedProbe* probe[2] = {nullptr, nullptr};
+    std::vector<double> factors;
+    double gain = 0.0;
+};
+
+/// The best probe of each stated number at the end of its interval.
+std::vector<const ScreenedProbe*> numbersAtEnds(const Model& model, const FitResult& base,
+                                                const std::vector<ScreenedProbe>& screened) {
+    std::vector<const ScreenedProbe*> numbers;
+    for (const ScreenedProbe& s : screened) {
+        const CandidateEffect& c = model.candidates()[s.candidate];
+        if (!c.isNumber() || s.signature.size() == 0 || std::abs(base.x[c.number]) <= kEndOfInterval)
+            continue;
+        const auto known = std::find_if(numbers.begin(), numbers.end(),
+                                        [&](const ScreenedProbe* n) { return n->candidate == s.candidate; });
+        if (known == numbers.end())
+            numbers.push_back(&s);
+        else if (s.gain > (*known)->gain)
+            *known = &s;
+    }
+    return numbers;
+}
+
+bool contains(const FittedHypothesis& t, const ScreenedProbe* number) {
+    return std::find(t.candidates.begin(), t.candidates.end(), number->candidate) != t.candidates.end();
+}
+
+std::vector<NumberPair> rankedPairs(const Model& model, const FitResult& base,
+                                    const std::vector<const ScreenedProbe*>& numbers) {
+    const Variables v(model, base.point);
+    std::vector<NumberPair> pairs;
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            NumberPair p{{numbers[i], numbers[k]}, {}, 0.0};
+            p.gain = explainTogether(
+                base, v, {&model.candidates()[numbers[i]->candidate], &model.candidates()[numbers[k]->candidate]},
+                {&numbers[i]->signature, &numbers[k]->signature}, p.factors);
+            pairs.push_back(std::move(p));
+        }
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const NumberPair& a, const NumberPair& b) { return a.gain > b.gain; });
+    return pairs;
+}
+
+} // namespace
+
+std::vector<FittedHypothesis> fitTwoNumbers(Evaluator& evaluator, const Likelihood& likelihood, const FitResult& base,
+                                            const std::vector<ScreenedProbe>& screened,
+                                            const std::vector<FittedHypothesis>& others) {
+    constexpr std::size_t kPairs = 2;
+    const Model& model = evaluator.model();
+    std::vector<FittedHypothesis> fitted;
+    for (const NumberPair& p : rankedPairs(model, base, numbersAtEnds(model, base, screened))) {
+        if (fitted.size() == kPairs || evaluator.stopped())
+            break;
+        const auto isFitted = [&](const FittedHypothesis& known) {
+            return known.candidates.size() == 2 && contains(known, p.probe[0]) && contains(known, p.probe[1]);
+        };
+        if (std::any_of(others.begin(), others.end(), isFitted))
+            continue;
+        ParameterPoint start = base.point;
+        FittedHypothesis t;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const CandidateEffect& c = model.candidates()[p.probe[i]->candidate];
+            start.terms.push_back({p.probe[i]->candidate, scaledValues(c, c.probes[p.probe[i]->probe], p.factors[i])});
+            t.candidates.push_back(p.probe[i]->candidate);
+        }
+        t.fit = fit(evaluator, likelihood, start);
+        if (!t.fit.failure.empty())
+            continue;
+        if (!evaluator.stopped())
+            if (auto better = refitFromStated(evaluator, likelihood, t))
+                t = std::move(better.value());
+        for (std::size_t k = 0; k < others.size(); ++k)
+            if (others[k].candidates.size() == 1 &&
+                std::find(t.candidates.begin(), t.candidates.end(), others[k].candidates.front()) != t.candidates.end())
+                t.mustBeat.push_back(k);
+        fitted.push_back(std::move(t));
+    }
+    return fitted;
 }
 
 } // namespace supercircle::diagnosis

@@ -16,22 +16,30 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// The spring, whose stiffness and friction may be wrong; `ambiguous` adds a material law that does what the stiffness
-/// does.
+/// A material law that does what a wrong stiffness does, or what a wrong stiffness and a wrong friction do together.
+enum class Imitation : std::uint8_t { None, Stiffness, Both };
+
+/// The spring, whose stiffness and friction may be wrong.
 class Doubted final : public toy::Spring {
 public:
-    explicit Doubted(const RecordedData& data, bool ambiguous = false) : Spring(data) {
+    explicit Doubted(const RecordedData& data, Imitation imitation = Imitation::None) : Spring(data) {
         CandidateEffects numbers;
         addStatedNumbers(nominal(), numbers);
         all_ = Spring::candidates();
         all_.insert(all_.end(), numbers.candidates.begin(), numbers.candidates.end());
-        if (ambiguous)
-            all_.push_back({"foundation",
-                            "material",
-                            "",
-                            "c x",
-                            {{"c", "N/m", "", 0.0, -500.0, 500.0, 2.0, Scale::Linear, true}},
-                            {{5.0}}});
+        if (imitation == Imitation::None)
+            return;
+        CandidateEffect c;
+        c.label = "foundation";
+        c.slot = "material";
+        c.law = "c x + d sign v";
+        c.parameters = {{"c", "N/m", "", 0.0, -500.0, 500.0, 2.0, Scale::Linear, true}};
+        c.probes = {{5.0}};
+        if (imitation == Imitation::Both) {
+            c.parameters.push_back({"d", "N", "", 0.0, -5.0, 5.0, 0.02, Scale::Linear, true});
+            c.probes = {{5.0, 0.05}};
+        }
+        all_.push_back(c);
     }
     [[nodiscard]] const std::vector<CandidateEffect>& candidates() const override {
         return all_.empty() ? Spring::candidates() : all_;
@@ -39,17 +47,16 @@ public:
     [[nodiscard]] Response simulate(std::size_t r, const ParameterPoint& p, Fidelity f,
                                     const std::atomic<bool>* stop) const override {
         ParameterPoint without = p;
-        double more = 0.0;
         for (Term& t : without.terms)
             if (const CandidateEffect& c = all_[t.candidate]; c.isNumber() || c.label == "foundation") {
-                if (c.isNumber())
-                    without.nominal[static_cast<std::size_t>(c.number)] +=
-                        t.values.front() - nominal()[static_cast<std::size_t>(c.number)].value;
-                else
-                    more = t.values.front();
-                t.values.front() = 0.0;
+                for (std::size_t i = 0; i < t.values.size(); ++i)
+                    if (c.isNumber())
+                        without.nominal[static_cast<std::size_t>(c.number)] +=
+                            t.values[i] - nominal()[static_cast<std::size_t>(c.number)].value;
+                    else
+                        without.nominal[i] += t.values[i];
+                t.values.assign(t.values.size(), 0.0);
             }
-        without.nominal[0] += more;
         return Spring::simulate(r, without, f, stop);
     }
 
@@ -119,12 +126,23 @@ TEST_CASE("numbers inside their intervals change no verdict", "[diagnosis][numbe
 
 TEST_CASE("an effect that a wrong number imitates is not identified", "[diagnosis][numbers]") {
     const RecordedData data = recorded(125.0, 0.08, 0.0, 35);
-    const Diagnosis d = diagnosed(data, Doubted(data, true));
+    const Diagnosis d = diagnosed(data, Doubted(data, Imitation::Stiffness));
     INFO(d.statement);
     CHECK(d.verdict == "ambiguous");
     CHECK_FALSE(d.wrongNumber);
     REQUIRE(d.effects.size() > 1);
     CHECK(d.effects.front().confoundedWith.size() == 2);
+}
+
+TEST_CASE("an effect that two wrong numbers imitate together is not identified", "[diagnosis][numbers]") {
+    // One number alone leaves 13 or 15 noise units a reading, so that the effect, which leaves none, stood alone.
+    const RecordedData data = recorded(125.0, 0.25, 0.0, 36);
+    const Diagnosis d = diagnosed(data, Doubted(data, Imitation::Both));
+    INFO(d.statement);
+    CHECK(d.verdict == "ambiguous");
+    CHECK_FALSE(d.wrongNumber);
+    REQUIRE_FALSE(d.effects.empty());
+    CHECK(d.effects.front().confoundedWith.size() == 3); // the effect and either number
 }
 
 TEST_CASE("a wrong number of a batch leaves the deviations of its specimens", "[diagnosis][numbers]") {

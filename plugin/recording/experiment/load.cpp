@@ -373,7 +373,8 @@ void readTop(Context& context, Experiment& e) {
                   std::string("\"") + schemaName + "\"");
     const std::size_t protocol =
         top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end()));
-    if (protocol == kProtocolNames.size()) { // the other keys depend on it
+    const std::optional<Node> word = top.find("protocol");
+    if (protocol == kProtocolNames.size() && word && word->kind() == Node::Kind::String) { // others depend on it
         for (const char* key : {"description",
                                 "frame",
                                 "arc_convention",
@@ -398,7 +399,7 @@ void readTop(Context& context, Experiment& e) {
         top.finish();
         return;
     }
-    e.protocol = static_cast<Protocol>(protocol);
+    e.protocol = static_cast<Protocol>(protocol % kProtocolNames.size()); // null: what is to be filled in is listed
     e.description = top.text("description", "");
     const bool scene = e.protocol == Protocol::Scene;
     e.gravityOfScene = scene && !top.find("gravity_m_s2");

@@ -116,11 +116,15 @@ bool concerns(const Experiment& e, const scene::Scene& scene, const ShellDef& sh
 
 } // namespace
 
-std::string pulledTaut(const Experiment& e, std::size_t index, const scene::Scene& scene, double backlash) {
+std::string pulledTaut(const Experiment& e, std::size_t index, const scene::Scene& scene,
+                       const std::vector<effects::Setting>& settings) {
+    if (scene.holds.size() < 2) // asked before each simulation
+        return {};
     const experiment::Run& run = e.runs[index];
     effects::DriveMotion drive{{0.0}, {0.0}};
     if (scene.protocol && !experiment::drivesLoad(e))
-        drive = effects::motionBehindBacklash({run.driveTime, run.driveDisplacement}, backlash);
+        drive = effects::motionBehindBacklash({run.driveTime, run.driveDisplacement},
+                                              effects::modelFor(settings, "all").apparatus.backlash);
     for (const ShellDef& shell : scene.shells)
         for (const SupportPair& p : supportPairs(scene, shell))
             if (const std::string when = straightAt(p, drive);

@@ -253,7 +253,7 @@ Simulated simulate(const Experiment& e, std::size_t run, const Parameters& param
         first.scene.push_back({e.scene->driveParameter, -1, e.runs[run].driveDisplacement.front()});
     const std::optional<scene::Scene> scene = e.scene ? sceneOf(e, run, first, out.failure) : std::nullopt;
     if (scene && out.failure.empty())
-        out.failure = pulledTaut(e, run, *scene, effects::modelFor(parameters.effects, "all").apparatus.backlash);
+        out.failure = pulledTaut(e, run, *scene, parameters.effects);
     if (!out.failure.empty())
         return out;
     TestRig rig = scene ? TestRig(e, *scene, parameters, loads ? LoadCourse::forRest(resolution) : resolution)

@@ -374,31 +374,8 @@ void readTop(Context& context, Experiment& e) {
     const std::size_t protocol =
         top.choice("protocol", std::vector<std::string>(kProtocolNames.begin(), kProtocolNames.end()));
     const std::optional<Node> word = top.find("protocol");
-    if (protocol == kProtocolNames.size() && word && word->kind() == Node::Kind::String) { // others depend on it
-        for (const char* key : {"description",
-                                "frame",
-                                "arc_convention",
-                                "contact_thickness",
-                                "uncertainty_meaning",
-                                "gravity_m_s2",
-                                "specimens",
-                                "batch",
-                                "obstacles",
-                                "friction",
-                                "initial_gap_unc_m",
-                                "runs",
-                                "sensors",
-                                "markers",
-                                "strings",
-                                "scene",
-                                "scene_parameters",
-                                "observed",
-                                "drive",
-                                "channels"})
-            top.find(key);
-        top.finish();
-        return;
-    }
+    if (protocol == kProtocolNames.size() && word && word->kind() == Node::Kind::String)
+        return;                                                           // what the other keys are depends on it
     e.protocol = static_cast<Protocol>(protocol % kProtocolNames.size()); // null: what is to be filled in is listed
     e.description = top.text("description", "");
     const bool scene = e.protocol == Protocol::Scene;

@@ -274,8 +274,14 @@ std::string wrongNumberSentence(const Diagnosis& d) {
     };
     std::string text = "A stated number is wrong: " + write(first);
     for (const std::string& label : first.jointWith)
-        if (const auto other = find(label); other != d.effects.end())
+        if (const auto other = find(label); other != d.effects.end()) {
             text += "; and " + write(*other);
+            std::string instead;
+            for (std::size_t i = 1; i < other->confoundedWith.size(); ++i)
+                if (const auto third = find(other->confoundedWith[i]); third != d.effects.end())
+                    instead += (instead.empty() ? " (or else " : ", or ") + write(*third);
+            text += instead.empty() ? "" : instead + ")";
+        }
     for (std::size_t i = 1; i < first.confoundedWith.size(); ++i)
         if (const auto other = find(first.confoundedWith[i]); other != d.effects.end())
             text += "; or else " + write(*other) +

@@ -157,7 +157,7 @@ std::vector<FittedHypothesis> fitTwoNumbers(Evaluator& evaluator, const Likeliho
                 t = std::move(better.value());
         for (std::size_t k = 0; k < others.size(); ++k)
             if (others[k].candidates.size() == 1 &&
-                std::find(t.candidates.begin(), t.candidates.end(), others[k].candidates.front()) != t.candidates.end())
+                (contains(others[k], p.probe[0]) || contains(others[k], p.probe[1])))
                 t.mustBeat.push_back(k);
         fitted.push_back(std::move(t));
     }

@@ -117,7 +117,8 @@ def hidden_effects(draw, plan, specimen):
         amplitude = amplitude_for(baseline, make, wanted, known[name].largest)
         if amplitude is not None and plan["kind"] == "outside":
             amplitude, sigma = outside_amplitude(baseline, make, amplitude, known[name].largest, low,
-                                                 [f.draw(draw) for f in specimen.module.FAMILIES])
+                                                 [f.draw(draw) for f in [*specimen.module.FAMILIES,
+                                                                         *getattr(specimen.module, "IMITATIONS", [])]])
         if amplitude is None:
             return None
         parts.append((make, amplitude))

@@ -92,7 +92,39 @@ def simulate(numbers, run, times, effects, elements=ELEMENTS, residual=1e-5):
     start = (-thick * math.sin(turns[-1]), thick * math.cos(turns[-1]))
     up = moved[:, end[1]] - moved[:, end[0]] + start
     angle = np.arctan2(-up[:, 0], up[:, 1])
-    return [(moved[:, tip, 1] + line[1, -1]) * (1.0 + value(effects, "sensor_gain", "error")), angle]
+    down, turn = moved[:, tip, 1] + line[1, -1], angle
+    if value(effects, "nonlinear_elasticity", "share"):
+        more, less = _elastica(numbers, weights, effects), _elastica(numbers, weights, [])
+        down, turn = down + more[0] - less[0], turn + more[1] - less[1]
+    read = down * (1.0 + value(effects, "sensor_gain", "error"))
+    wave, period = (value(effects, "outside:periodic_scale", n, off) for n, off in (("wave_m", 0.0), ("period_m", 1.0)))
+    return [read + wave * np.sin(2.0 * math.pi * read / period), turn]
+
+
+def _elastica(numbers, weights, effects):
+    """Deflection and angle of the end of a beam whose curvature grows as u (1 + share (|u| / 3)^(exponent - 1)), with
+    u (1/m) that of linear elasticity: what nonlinear elasticity changes. CalculiX has no such law that converges."""
+    share, exponent = (value(effects, "nonlinear_elasticity", n, off) for n, off in (("share", 0.0), ("exponent", 2.0)))
+    bend = numbers["young_modulus"] * numbers["width"] * numbers["thickness"]**3 / 12.0
+    weight = numbers["density"] * numbers["width"] * numbers["thickness"] * GRAVITY  # N/m
+    step = numbers["length"] / 80
+    ends = []
+    for load in np.unique(weights):
+        turn = np.zeros(81)  # of the strip, downwards; at nodes
+        for _ in range(200):
+            x = np.concatenate(([0.0], np.cumsum(np.cos(0.5 * (turn[1:] + turn[:-1]))) * step))
+            beyond = np.concatenate((np.cumsum((0.5 * (x[1:] + x[:-1]))[::-1])[::-1], [0.0])) * step  # of x, to the end
+            left = step * np.arange(80, -1, -1)
+            u = (load * (x[-1] - x) + weight * (beyond - left * x)) / bend
+            curvature = u * (1.0 + share * (np.abs(u) / 3.0)**(exponent - 1.0)) - numbers["natural_curvature"]
+            before, turn = turn, np.concatenate(([0.0], np.cumsum(0.5 * (curvature[1:] + curvature[:-1])) * step))
+            turn = 0.5 * (turn + before)
+            if np.abs(turn - before).max() < 1e-10:
+                break
+        else:
+            raise RuntimeError("the beam does not converge")
+        ends.append((-step * np.sum(np.sin(0.5 * (turn[1:] + turn[:-1]))), -turn[-1]))
+    return np.array(ends)[np.searchsorted(np.unique(weights), weights)].T
 
 
 def _material(numbers, place, effects):
@@ -163,7 +195,20 @@ FAMILIES = [
     Family("gradient", "stiffness_gradient", _gradient, 16.0),
     Family("gain", "sensor_gain", of("sensor_gain", "error", 0.02, sign=True), 10.0),
 ]
+def _scale(draw):
+    """A gauge whose reading goes wrong and right again within a part of the way."""
+    period = draw.uniform(0.02, 0.05)
+    return lambda a: Effect("outside:periodic_scale", {"wave_m": 2e-4 * a, "period_m": period})
+
+
+def _ramberg_osgood(exponent):
+    return lambda draw: lambda a: Effect("nonlinear_elasticity", {"share": 0.1 * a, "exponent": exponent})
+
+
+# Of the catalogue, but not hidden: a tilted string is what they imitate (two sets called it nonlinear elasticity).
+IMITATIONS = [Family(f"nonlinear_{n:g}", "nonlinear_elasticity", _ramberg_osgood(n)) for n in (2.0, 3.0)]
 OUTSIDE = [
     Family("tilted_string", "", of("outside:tilted_string", "tilt_rad", 0.05, sign=True), 10.0),
     Family("soft_stop", "", of("outside:soft_stop", "stiffness_N_m", 1.0)),
+    Family("periodic_scale", "", _scale),
 ]

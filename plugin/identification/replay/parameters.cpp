@@ -150,7 +150,7 @@ std::vector<ParameterInfo> sceneList(const Experiment& e) {
                                          : std::string();
         of += ofBatch ? ": the common value unless it is set" : "";
         all.push_back({nameOf({s.name, run, 0.0, specimen}, e), s.unit.empty() ? "1" : s.unit, s.about + of,
-                       ofBatch ? exact(s.stated.value) : s.stated, specimen, ofBatch, run >= 0});
+                       ofBatch ? exact(s.stated.value) : s.stated, specimen, ofBatch, run >= 0, run});
     });
     for (const Surrounding& s : kSurroundings)
         if (ofScene(s, e))

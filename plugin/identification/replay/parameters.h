@@ -57,6 +57,7 @@ struct ParameterInfo {
     int specimen = -1;         ///< scenes: of one specimen
     bool ofBatch = false;      ///< deviates from the common value, if it is set (BatchParameter)
     bool ofRecording = false;  ///< of one run, or the zero of a reading; else of the set-up or its specimens
+    int run = -1;              ///< scenes: of one run
 };
 
 /// The nominal parameters of an experiment.

@@ -163,8 +163,14 @@ Json learnedOf(const Diagnosis& d) {
 }
 
 Json furtherRunOf(const diagnosis::FurtherRun& r) {
+    Json changed = Json::array();
+    for (const diagnosis::ChangedParameter& c : r.candidateRun.changed)
+        changed.push_back({{"name", c.name}, {"unit", c.unit}, {"from", c.from}, {"to", c.to}});
     return {{"description", r.candidateRun.description},
             {"repeats", r.repeats},
+            {"changed", std::move(changed)},
+            {"duration_s", r.candidateRun.time.empty() ? r.candidateRun.duration
+                                                       : r.candidateRun.time.back() - r.candidateRun.time.front()},
             {"drive", {{"time_s", r.candidateRun.time}, {"displacement_m", r.candidateRun.displacement}}},
             {"specimen_rotation", r.candidateRun.specimenReversed},
             {"new_markers_arc_fraction", r.candidateRun.markers},

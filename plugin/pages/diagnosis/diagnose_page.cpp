@@ -212,17 +212,21 @@ std::string learnedText(const Diagnosis& d) {
 }
 
 /// Motion of the drive, row by row.
-std::string driveTable(const diagnosis::CandidateRun& run) {
+std::string driveTable(const diagnosis::CandidateRun& run, const experiment::DriveAxis& axis) {
     if (run.time.empty())
         return {};
-    std::string html = "<table><tr><th>time, s</th><th>displacement, mm</th></tr>";
+    std::string html = "<table><tr>" + (run.table ? std::string() : "<th>time, s</th>") + "<th>" +
+                       escaped(axis.label()) + "</th></tr>";
     for (std::size_t i = 0; i < run.time.size(); ++i)
-        html +=
-            "<tr><td>" + rounded(run.time[i], 4) + "</td><td>" + rounded(1e3 * run.displacement[i], 4) + "</td></tr>";
+        html += "<tr>" + (run.table ? std::string() : "<td>" + rounded(run.time[i], 4) + "</td>") + "<td>" +
+                rounded(axis.perUnit * run.displacement[i], 4) + "</td></tr>";
+    html += "</table>";
+    if (run.table)
+        return html;
     std::string markers;
     for (const double at : run.markers)
         markers += (markers.empty() ? " Markers at these arc fractions: " : ", ") + fixed(at, 2);
-    return html + "</table><p>Readings at " + rounded(run.rate, 3) + " Hz" +
+    return html + "<p>Readings at " + rounded(run.rate, 3) + " Hz" +
            (run.markerRate > 0.0 ? ", markers at " + rounded(run.markerRate, 2) + " Hz." : ".") + markers +
            (markers.empty() ? "" : ".") +
            (run.specimenReversed ? " Exchange the two ends of the specimen without turning it over; the run's entry in "
@@ -231,7 +235,7 @@ std::string driveTable(const diagnosis::CandidateRun& run) {
            "</p>";
 }
 
-std::string nextText(const Diagnosis& d) {
+std::string nextText(const Diagnosis& d, const experiment::DriveAxis& axis) {
     if (!d.next)
         return d.candidateRunsConsidered > 0 ? "<p>" + escaped(diagnosis::noRunDiscriminates(d)) + "</p>"
                                              : std::string();
@@ -249,7 +253,7 @@ std::string nextText(const Diagnosis& d) {
                        fixed(100.0 * d.next->power, 0) + " %.</p>";
     for (const diagnosis::FurtherRun& run : d.next->runs)
         html += (several ? "<p>" + escaped(diagnosis::describeRuns({run})) + ":</p>" : std::string()) +
-                driveTable(run.candidateRun);
+                driveTable(run.candidateRun, axis);
     return html;
 }
 
@@ -276,7 +280,7 @@ std::string diagnosisPage(const Diagnosis& d, const experiment::Experiment& e) {
     page.section("Screening of the catalogue", looked ? scroll(screenFigure(d)) : "");
     page.section("Similarity of the effects in these runs (cosines; 1: equal)", scroll(similarityFigure(d)));
     page.section("Stated and fitted parameters", looked ? nominalTable(d) : "");
-    page.section("Next experiment", nextText(d));
+    page.section("Next experiment", nextText(d, experiment::driveAxis(e)));
     page.section("About this page", "<p>" + std::to_string(d.forwardRuns) + " simulated runs, seed " +
                                         std::to_string(d.seed) +
                                         ". Method: docs/theory/diagnosis.md. All numbers: "

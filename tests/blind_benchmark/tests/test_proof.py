@@ -396,6 +396,19 @@ def test_a_large_swing_has_the_period_of_the_elliptic_integral():
     assert x == pytest.approx([amplitude] * 3, abs=1e-6)  # integration to 1e-9, five periods
 
 
+def test_a_sled_is_simulated_past_each_corner_of_its_drive_or_given_up():
+    sled = conceal.setup("sled")
+    run = sled.describe(conceal.draw_of(1, "corner")).runs[2]
+    # At the corner at 8 s it began to stick and to slide for ever, where the drive changed its speed within 0.1 us.
+    held = {"mass": 0.20612718696058038, "normal_force": 1.61, "mu": 0.2303078433857736,
+            "stiffness": 564.6493104402412, "viscosity": 17.453070700055136}
+    reading = sled.simulate(held, run, run.times, [])[0]
+    sliding = held["mu"] * held["normal_force"]
+    assert reading[np.searchsorted(run.times, (3.9, 10.9))] == pytest.approx(sliding, rel=1e-6)  # before and behind it
+    with pytest.raises(RuntimeError, match="more than"):  # its damper drives it
+        sled.simulate({**held, "mass": 0.21, "viscosity": -40.0}, run, run.times, [])
+
+
 def test_a_sled_breaks_away_at_its_static_friction():
     numbers = {"mass": 0.2, "normal_force": 2.0, "mu": 0.3, "stiffness": 500.0, "viscosity": 15.0}
     times, drive = np.arange(0.0, 10.0, 0.005), ((0.0, 10.0), (0.0, 0.01))

@@ -35,6 +35,7 @@ struct Scalar {
     bool amplitude = false; ///< the effect is absent where all its amplitudes are 0
     bool position = false;  ///< a position on the arc: 0 first end, 1 last end
     int specimen = -1;      ///< it acts only in runs of this specimen; -1: in all
+    int run = -1;           ///< it acts only in this run, and is given anew in a further one; -1: in all
     /// Index into Model::batch(): it is the deviation of its specimen, and `step` the scale of the scatter. -1: it is
     /// none.
     int batch = -1;
@@ -136,6 +137,12 @@ struct Response {
     }
 };
 
+/// A parameter of a recorded run that has another value in a further one.
+struct ChangedParameter {
+    std::string name, unit;
+    double from = 0.0, to = 0.0; ///< stated values
+};
+
 /// A further run that could be made.
 struct CandidateRun {
     std::string description; ///< in words
@@ -151,6 +158,8 @@ struct CandidateRun {
     double weight = 1.0;                    ///< of the log-likelihood of the first channel
     std::vector<double> further{};          ///< the same of channels beside it
     bool table = false, drivesLoad = false; ///< as RecordedData
+    std::vector<ChangedParameter> changed{};
+    double duration = 0.0; ///< s, of a run without a drive
 };
 
 /// Readings of a candidate run, with their times.

@@ -96,6 +96,7 @@ std::vector<Scalar> nominalOf(const experiment::Experiment& e) {
         s.step = info.stated.halfWidth;
         takePrior(info.stated, s);
         s.specimen = info.specimen;
+        s.run = info.run;
         s.doubtful = !info.ofRecording;
         all.push_back(s);
     }
@@ -362,7 +363,7 @@ CandidateRunResponse ReplayModel::simulateCandidateRun(std::size_t index, const 
     replay::Parameters p;
     if (out.failure = parametersAt(point, p); !out.failure.empty())
         return out;
-    const experiment::Experiment e = withCandidateRun(experiment_, index);
+    const experiment::Experiment e = withCandidateRun(experiment_, index, p);
     const replay::Simulated s = simulateWithin(e, 0, p, replay::Resolution::coarse(), interrupt);
     out.failure = s.failure;
     out.time = vectorOf(s.readings.time);

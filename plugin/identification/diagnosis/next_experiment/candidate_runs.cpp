@@ -69,7 +69,9 @@ Run runThrough(const RunProperties& h, const std::vector<double>& displacements,
 struct PlannedRun {
     std::string description;
     Run run;
-    std::vector<double> markers{}; ///< Design::markers
+    std::vector<double> markers{}; ///< CandidateRun::markers
+    std::size_t of = 0;            ///< index of the recorded run that it varies
+    std::vector<ChangedParameter> changed{};
 };
 
 /// Marker positions that determine most: near the ends, and between them and the clamp.
@@ -133,7 +135,94 @@ std::vector<PlannedRun> plannedTables(const experiment::Experiment& e, const Run
     return planned;
 }
 
-std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
+std::string seconds(double t) {
+    char text[40];
+    std::snprintf(text, sizeof text, t < 100.0 ? "%.2g s" : "%.0f s", t);
+    return text;
+}
+
+/// Per recorded run with a value of its own, the largest of each name: release, load, added mass.
+struct OwnValue {
+    std::size_t run = 0;
+    const experiment::SceneParameter* parameter = nullptr;
+};
+std::vector<OwnValue> largestOwnValues(const experiment::Experiment& e) {
+    std::vector<OwnValue> out;
+    for (std::size_t r = 0; r < e.runs.size(); ++r)
+        for (const experiment::SceneParameter& p : e.runs[r].parameters) {
+            const auto known =
+                std::find_if(out.begin(), out.end(), [&](const OwnValue& o) { return o.parameter->name == p.name; });
+            if (known == out.end())
+                out.push_back({r, &p});
+            else if (std::abs(p.stated.value) > std::abs(known->parameter->stated.value))
+                *known = {r, &p};
+        }
+    std::erase_if(out, [](const OwnValue& o) { return o.parameter->stated.value == 0.0; });
+    return out;
+}
+
+/// A recorded run once more, without its readings.
+Run again(const Run& recorded) {
+    Run run;
+    run.file = "design";
+    run.driveTime = recorded.driveTime;
+    run.driveDisplacement = recorded.driveDisplacement;
+    const double step = experiment::medianStep(recorded.readings.time);
+    run.samplingRate = recorded.samplingRate > 0.0 || step <= 0.0 ? recorded.samplingRate : 1.0 / step;
+    const double frames = experiment::medianStep(recorded.markers.time);
+    run.markersSamplingRate =
+        recorded.markersSamplingRate > 0.0 || frames <= 0.0 ? recorded.markersSamplingRate : 1.0 / frames;
+    run.parameters = recorded.parameters;
+    return run;
+}
+
+/// Recorded runs of a scene once more: longer where nothing is driven, and with other values of what they state for
+/// themselves.
+std::vector<PlannedRun> variedRuns(const experiment::Experiment& e) {
+    // With a half more, what grows with the square of an amplitude is told from what is proportional to it; three times
+    // as much is farther than most fixtures allow, but a scene knows its bounds.
+    constexpr double kFactors[] = {0.5, 1.5, 3.0};
+    constexpr double kLonger = 3.0, kMostRows = 6000.0, kWorthIt = 1.5;
+    std::vector<PlannedRun> planned;
+    const std::vector<OwnValue> own = largestOwnValues(e);
+    const std::vector<std::string> names = experiment::runNames(e, true);
+    std::vector<std::size_t> longer;
+    for (const OwnValue& o : own)
+        longer.push_back(o.run);
+    if (longer.empty())
+        longer.push_back(0);
+    std::sort(longer.begin(), longer.end());
+    longer.erase(std::unique(longer.begin(), longer.end()), longer.end());
+    for (const std::size_t r : longer) {
+        Run run = again(e.runs[r]);
+        const double span = run.driveTime.back();
+        const double factor = std::min(kLonger, kMostRows / std::max(1.0, span * run.samplingRate));
+        if (!experiment::isFree(e) || experiment::isTable(e) || factor < kWorthIt)
+            continue;
+        run.driveTime.back() *= factor;
+        planned.push_back({"the run " + names[r] + " again, recorded for " + seconds(run.driveTime.back()) +
+                               " instead of " + seconds(span),
+                           run,
+                           {},
+                           r});
+    }
+    for (const OwnValue& o : own)
+        for (const double factor : kFactors) {
+            const experiment::SceneParameter& p = *o.parameter;
+            const ChangedParameter changed{p.name, p.unit, p.stated.value, factor * p.stated.value};
+            char text[120];
+            std::snprintf(text, sizeof text, "%.3g instead of %.3g%s", changed.to, changed.from,
+                          p.unit.empty() || p.unit == "1" ? "" : (" " + p.unit).c_str());
+            planned.push_back({"the run " + names[o.run] + " again, with " + p.name + " " + text,
+                               again(e.runs[o.run]),
+                               {},
+                               o.run,
+                               {changed}});
+        }
+    return planned;
+}
+
+std::vector<PlannedRun> drivenRuns(const experiment::Experiment& e) {
     const RunProperties h = runPropertiesOf(e);
     if (h.travel <= 0.0 || h.fastest <= 0.0)
         return {};
@@ -144,11 +233,6 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
     const auto speed = [&](double v) {
         char text[40];
         std::snprintf(text, sizeof text, load ? "%.3g per s" : "%.3g mm/s", load ? v : 1e3 * v);
-        return std::string(text);
-    };
-    const auto seconds = [](double t) {
-        char text[40];
-        std::snprintf(text, sizeof text, "%.2g s", t);
         return std::string(text);
     };
     const double d = h.travel, hold = std::max(kHold * h.second, kOfRuns * h.longest);
@@ -168,6 +252,9 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
         {"six cycles at " + speed(h.fastest),
          runThrough(h, {d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0, d, 0.0}, h.fastest)}};
     planned.insert(planned.end(), usual.begin(), usual.end());
+    if (e.scene && e.scene->rubs && !load) // friction that grows with the time at rest shows at the next start
+        planned.push_back({"half of the displacement, a hold of " + seconds(hold) + ", and the other half",
+                           runThrough(h, {0.5 * d, d, 0.0}, h.fastest, hold)});
     const double frames = frameRateOf(e);
     if (frames == 0.0 && !e.scene) { // markers described but never tracked are used again
         const std::vector<double> displacements = e.markers.empty() ? markerPositions(e) : std::vector<double>{};
@@ -192,6 +279,20 @@ std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
     return planned;
 }
 
+std::vector<PlannedRun> plannedRuns(const experiment::Experiment& e) {
+    std::vector<PlannedRun> planned = experiment::isFree(e) ? std::vector<PlannedRun>{} : drivenRuns(e);
+    if (e.scene && !e.runs.empty())
+        for (PlannedRun& p : variedRuns(e))
+            planned.push_back(std::move(p));
+    for (PlannedRun& p : planned) {
+        p.run.specimen = e.runs[p.of].specimen;
+        for (const ChangedParameter& c : p.changed)
+            for (experiment::SceneParameter& own : p.run.parameters)
+                own.stated.value += own.name == c.name ? c.to - c.from : 0.0;
+    }
+    return planned;
+}
+
 } // namespace
 
 std::vector<CandidateRun> candidateRunsFor(const experiment::Experiment& e) {
@@ -199,17 +300,30 @@ std::vector<CandidateRun> candidateRunsFor(const experiment::Experiment& e) {
     std::vector<double> further; // weights
     for (const experiment::FurtherChannel& c : experiment::furtherChannels(e))
         further.push_back(c.channel.weight);
+    const bool free = experiment::isFree(e);
     for (const PlannedRun& p : plannedRuns(e))
-        all.push_back({p.description, 0, p.run.driveTime, p.run.driveDisplacement, p.run.samplingRate,
+        all.push_back({p.description, p.of, free ? std::vector<double>{} : p.run.driveTime,
+                       free ? std::vector<double>{} : p.run.driveDisplacement, p.run.samplingRate,
                        p.run.specimenReversed, p.markers, p.run.markersSamplingRate, replay::naturalUnits(e),
-                       experiment::channel(e).weight, further, experiment::isTable(e), experiment::drivesLoad(e)});
+                       experiment::channel(e).weight, further, experiment::isTable(e), experiment::drivesLoad(e),
+                       p.changed, free ? p.run.driveTime.back() : 0.0});
     return all;
 }
 
-experiment::Experiment withCandidateRun(const experiment::Experiment& e, std::size_t index) {
+experiment::Experiment withCandidateRun(const experiment::Experiment& e, std::size_t index, replay::Parameters& p) {
     experiment::Experiment out = e;
     const PlannedRun plan = plannedRuns(e)[index];
     out.runs = {plan.run};
+    const auto ofAnother = [&](const replay::SceneValue& v) {
+        return v.run >= 0 && static_cast<std::size_t>(v.run) != plan.of;
+    };
+    std::erase_if(p.scene, ofAnother);
+    for (replay::SceneValue& v : p.scene)
+        if (v.run >= 0) {
+            v.run = 0;
+            for (const ChangedParameter& c : plan.changed) // with the deviation that was found
+                v.value += v.name == c.name ? c.to - c.from : 0.0;
+        }
     for (std::size_t s = 0; s < e.specimens.size(); ++s)
         for (const double at : plan.markers)
             out.markers.push_back({"m" + std::to_string(out.markers.size()), s, at, {}, {}});

@@ -1,5 +1,7 @@
 #include "plugin/identification/diagnosis/next_experiment/predicted_run.h"
 
+#include "supercircle/support/dense.h"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -19,13 +21,24 @@ UncertainParameters::UncertainParameters(const Model& model, const std::vector<C
         const Variables v(model, competing[i].point);
         nominal = v.nominal;
         own.push_back(i == 0 ? nominal : size());
-        for (Index k = i == 0 ? 0 : nominal; k < v.size(); ++k)
-            items_.push_back({i, k});
-        const Eigen::LLT<Eigen::MatrixXd> llt(competing[i].covariance);
-        factor_.emplace_back(
-            llt.info() == Eigen::Success
-                ? Eigen::MatrixXd(llt.matrixL())
-                : Eigen::MatrixXd(competing[i].covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal()));
+        Eigen::MatrixXd covariance = competing[i].covariance;
+        for (Index k = i == 0 ? 0 : nominal; k < v.size(); ++k) {
+            const double precision = v.intervalPrecision(k, 1e3) + (k < nominal ? v.scalar(k).precision : 0.0);
+            items_.push_back({i, k, k < nominal ? v.scalar(k).run : -1, 1.0 / std::sqrt(precision)});
+        }
+        for (Index k = 0; k < nominal; ++k)
+            if (v.scalar(k).run >= 0) {
+                covariance.row(k).setZero();
+                covariance.col(k).setZero();
+                covariance(k, k) = 1.0; // so that there is a square root
+            }
+        const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+        factor_.emplace_back(llt.info() == Eigen::Success
+                                 ? Eigen::MatrixXd(llt.matrixL())
+                                 : Eigen::MatrixXd(covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal()));
+        for (Index k = 0; k < nominal; ++k)
+            if (v.scalar(k).run >= 0)
+                factor_.back()(k, k) = 0.0;
     }
     for (std::size_t i = 0; i < competing.size(); ++i) {
         const Eigen::MatrixXd& f = factor_[i];
@@ -61,7 +74,7 @@ void PredictedRun::differentiate() {
         const Variables v(evaluator_.model(), r.point);
         Eigen::VectorXd y = r.x;
         const double step = r.x[n.index] + kStep <= v.upper[n.index] ? kStep : -kStep; // away from the bound
-        y[n.index] += step;
+        y[n.index] += n.run < 0 || static_cast<std::size_t>(n.run) == candidateRun_.run ? step : 0.0;
         points.push_back(v.at(y));
         varied_.push_back({step, {}});
     }
@@ -88,22 +101,47 @@ std::unique_ptr<RunLikelihood> PredictedRun::likelihoodOf(std::size_t truth, std
 Eigen::VectorXd PredictedRun::difference(const RunLikelihood& likelihood, std::size_t repeats, std::size_t truth,
                                          const CandidateRunResponse& alternative) const {
     const auto whitened = usable(alternative) ? likelihood.difference(responses_[truth], alternative) : std::nullopt;
-    return whitened ? Eigen::VectorXd(std::sqrt(static_cast<double>(repeats)) * *whitened) : Eigen::VectorXd();
+    return whitened ? Eigen::VectorXd(std::sqrt(static_cast<double>(repeats)) * withoutOwn(likelihood, *whitened))
+                    : Eigen::VectorXd();
+}
+
+std::optional<Eigen::VectorXd> PredictedRun::changeBy(const RunLikelihood& likelihood, std::size_t item) const {
+    const CandidateRunResponse& from = responses_[uncertain_.items()[item].hypothesis];
+    const CandidateRunResponse& to = usable(varied_[item].response) ? varied_[item].response : from;
+    return likelihood.difference(to, from);
+}
+
+Eigen::MatrixXd PredictedRun::withoutOwn(const RunLikelihood& likelihood, const Eigen::MatrixXd& readings) const {
+    Eigen::MatrixXd own(readings.rows(), 0); // by one standard deviation of each
+    for (std::size_t k = 0; k < varied_.size(); ++k) {
+        const UncertainParameters::Item& n = uncertain_.items()[k];
+        if (n.run < 0 || static_cast<std::size_t>(n.run) != candidateRun_.run)
+            continue;
+        if (const auto change = changeBy(likelihood, k); change && change->size() == readings.rows()) {
+            own.conservativeResize(Eigen::NoChange, own.cols() + 1);
+            own.rightCols(1) = n.deviation / varied_[k].step * *change;
+        }
+    }
+    if (own.cols() == 0)
+        return readings;
+    // (1 + own own')^-1/2 by the small matrix own' own
+    const dense::SymmetricEigen eigen = dense::symmetricEigen(own.transpose() * own);
+    const Eigen::ArrayXd root = (1.0 + eigen.values.array().max(0.0)).sqrt();
+    const Eigen::MatrixXd along = own * eigen.vectors;
+    return readings - along * (1.0 / (root * (1.0 + root))).matrix().asDiagonal() * (along.transpose() * readings);
 }
 
 Eigen::MatrixXd PredictedRun::derivatives(const RunLikelihood& likelihood, std::size_t repeats) const {
     Eigen::MatrixXd out;
     for (std::size_t k = 0; k < varied_.size(); ++k) {
-        const CandidateRunResponse& from = responses_[uncertain_.items()[k].hypothesis];
-        const CandidateRunResponse& to = usable(varied_[k].response) ? varied_[k].response : from;
-        const auto change = likelihood.difference(to, from);
+        const auto change = changeBy(likelihood, k);
         if (!change)
             continue;
         if (out.size() == 0)
             out.setZero(change->size(), uncertain_.size());
         out.col(static_cast<Index>(k)) = std::sqrt(static_cast<double>(repeats)) / varied_[k].step * *change;
     }
-    return out;
+    return withoutOwn(likelihood, out);
 }
 
 const Eigen::MatrixXd& PredictedRun::gram(std::size_t truth, std::size_t repeats) {

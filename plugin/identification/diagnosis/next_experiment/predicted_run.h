@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,10 +40,13 @@ public:
     struct Item {
         std::size_t hypothesis = 0;
         Eigen::Index index = 0; ///< index in the hypothesis' x
+        int run = -1;           ///< recorded run that states it for itself (Scalar::run)
+        double deviation = 0.0; ///< of such a parameter in a further run, before it is made; of x
     };
     [[nodiscard]] const std::vector<Item>& items() const { return items_; }
     [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(items_.size()); }
-    /// Square root of a hypothesis' covariance: one column per unit deviation of x.
+    /// Square root of a hypothesis' covariance: one column per unit deviation of x. Zero for what runs state for
+    /// themselves: each further run is released anew (PredictedRun::withoutOwn()).
     [[nodiscard]] const Eigen::MatrixXd& factor(std::size_t competitor) const { return factor_[competitor]; }
     /// The same in the order of entries().
     [[nodiscard]] const Eigen::MatrixXd& factorByItem(std::size_t competitor) const {
@@ -97,6 +101,10 @@ private:
         CandidateRunResponse response;
     };
     [[nodiscard]] bool usable(const CandidateRunResponse& r) const;
+    /// Whitened change of the readings by a varied parameter. Empty: not comparable.
+    [[nodiscard]] std::optional<Eigen::VectorXd> changeBy(const RunLikelihood& likelihood, std::size_t item) const;
+    /// Whitened readings in the columns, without what this run's own parameters may change: each repeat has its own.
+    [[nodiscard]] Eigen::MatrixXd withoutOwn(const RunLikelihood& likelihood, const Eigen::MatrixXd& readings) const;
 
     Evaluator& evaluator_;
     std::size_t index_;

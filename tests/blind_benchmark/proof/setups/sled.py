@@ -1,4 +1,5 @@
 """A sled that a machine pulls by a spring: slow, fast, with a dwell and back. Scene `sled`."""
+import bisect
 import math
 
 import numpy as np
@@ -26,7 +27,8 @@ def describe(draw):
 def simulate(numbers, run, times, effects):
     corners, way = run.drive
     at = lambda t: float(np.interp(t, corners, way))
-    speed = lambda t: (at(t + 1e-7) - at(t - 1e-7)) / 2e-7
+    speeds = [(b - a) / (u - t) for a, b, t, u in zip(way, way[1:], corners, corners[1:])]
+    speed = lambda t: speeds[min(bisect.bisect_right(corners, t), len(speeds)) - 1]  # at a corner what follows
     stiffness, viscosity, normal = (numbers[n] for n in ("stiffness", "viscosity", "normal_force"))
     ratio, slip, heal = (value(effects, "static_friction_excess", n, off) for n, off in
                          (("mu_s_over_mu_k", 1.0), ("Dc_m", 1.0), ("tau_heal_s", 1.0)))

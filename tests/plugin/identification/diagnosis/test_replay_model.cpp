@@ -156,7 +156,8 @@ TEST_CASE("candidate runs start at rest with increasing time", "[diagnosis]") {
     const auto candidateRuns = candidateRunsFor(e);
     REQUIRE(candidateRuns.size() >= 4);
     for (std::size_t i = 0; i < candidateRuns.size(); ++i) {
-        const experiment::Experiment one = withCandidateRun(e, i);
+        replay::Parameters parameters = replay::nominal(e);
+        const experiment::Experiment one = withCandidateRun(e, i, parameters);
         REQUIRE(one.runs.size() == 1);
         const experiment::Run& run = one.runs.front();
         INFO(candidateRuns[i].description);
@@ -179,7 +180,8 @@ TEST_CASE("a run with a reversed specimen has its own simulation", "[diagnosis]"
                                                [](const CandidateRun& d) { return d.specimenReversed; });
     REQUIRE(specimenReversed != candidateRuns.end());
     CHECK(specimenReversed->description == "a run with the specimen mounted end for end");
-    CHECK(withCandidateRun(e, static_cast<std::size_t>(specimenReversed - candidateRuns.begin()))
+    replay::Parameters parameters = replay::nominal(e);
+    CHECK(withCandidateRun(e, static_cast<std::size_t>(specimenReversed - candidateRuns.begin()), parameters)
               .runs.front()
               .specimenReversed);
     CHECK(std::count_if(candidateRuns.begin(), candidateRuns.end(),

@@ -9,6 +9,7 @@
 #include "bridge/box2d/build.h"
 #include "bridge/box2d/constraints.h"
 #include "bridge/box2d/foreseen_bodies.h"
+#include "bridge/box2d/free_way.h"
 #include "bridge/box2d/outline_query.h"
 #include "bridge/box2d/outlines.h"
 #include "bridge/box2d/rigid_check.h"
@@ -62,10 +63,6 @@ bool fits(const Vec2& v, double scale) {
 
 bool fitsFloat(double v) {
     return std::abs(v) < 1e30;
-}
-
-void moveTo(b2Body& b, const b2Vec2& centre, float angle) {
-    b.SetTransform(centre - b2Mul(b2Rot(angle), b.GetLocalCenter()), angle);
 }
 
 } // namespace
@@ -137,6 +134,14 @@ struct Box2dPort::Impl {
             return; // a zero impulse does not wake a body
         b->ApplyLinearImpulseToCenter(toHost(impulse, scale), true);
         b->ApplyAngularImpulse(static_cast<float>(angular * scale * scale), true);
+    }
+
+    /// False, with an error, if a motion is not finite or too large for floats.
+    bool isMotion(const Vec2& centre, double angle, const Vec2& velocity, double spin, const char* call) {
+        if (fits(centre, scale) && fits(velocity, scale) && std::abs(angle) < kMaxHost && std::abs(spin) < kMaxHost)
+            return true;
+        recordError(std::string(call) + ": the motion is not finite or too large");
+        return false;
     }
 
     /// Null, with an error, unless there is such a kinematic body. It gets this pose and velocity.
@@ -326,17 +331,13 @@ void Box2dPort::setAwake(BodyId body, bool awake) {
 }
 
 void Box2dPort::place(BodyId body, const Vec2& centre, double angle) {
-    b2Body* b = impl_->placeable(body, centre, angle, "place");
-    if (b == nullptr)
-        return;
-    b2Vec2 displacement = toHost(centre, impl_->scale) - b->GetWorldCenter();
-    const bool blocked = isBlocked(*b, displacement);
-    moveTo(*b, b->GetWorldCenter() + displacement, blocked ? b->GetAngle() : static_cast<float>(angle));
+    if (b2Body* b = impl_->placeable(body, centre, angle, "place"))
+        moveAsFar(*b, toHost(centre, impl_->scale), static_cast<float>(angle), impl_->outlineQuery);
 }
 
 void Box2dPort::putBack(BodyId body, const Vec2& centre, double angle) {
     if (b2Body* b = impl_->placeable(body, centre, angle, "putBack"))
-        moveTo(*b, toHost(centre, impl_->scale), static_cast<float>(angle));
+        moveBack(*b, toHost(centre, impl_->scale), static_cast<float>(angle), impl_->foreseen, impl_->outlineQuery);
 }
 
 void Box2dPort::foresee(double ahead) {
@@ -360,11 +361,8 @@ void Box2dPort::strayed(std::span<const BodyId> known, std::span<const Box> boxe
 
 void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
     impl_->sync(false);
-    if (!fits(centre, impl_->scale) || !fits(velocity, impl_->scale) || !(std::abs(angle) < kMaxHost) ||
-        !(std::abs(spin) < kMaxHost)) {
-        impl_->recordError("drive: the motion is not finite or too large");
+    if (!impl_->isMotion(centre, angle, velocity, spin, "drive"))
         return;
-    }
     if (impl_->world->IsLocked()) {
         impl_->deferred.push_back({body, true, velocity, spin, centre, angle});
         return;
@@ -374,7 +372,10 @@ void Box2dPort::drive(BodyId body, const Vec2& centre, double angle, const Vec2&
 
 void Box2dPort::put(BodyId body, const BodyState& state) {
     impl_->sync(false);
-    impl_->place(body, state.centre, state.angle, state.velocity, state.spin);
+    if (impl_->world->IsLocked())
+        impl_->recordError("put: the world is locked");
+    else if (impl_->isMotion(state.centre, state.angle, state.velocity, state.spin, "put"))
+        impl_->place(body, state.centre, state.angle, state.velocity, state.spin);
 }
 
 BodyId Box2dPort::find(const std::string& name) const {

@@ -5,13 +5,27 @@
 
 namespace supercircle::bridge {
 
-void ForeseenBodies::note(const b2World& world, const BodyRegistry& registry, float ahead) {
+void ForeseenBodies::note(b2World& world, const BodyRegistry& registry, float ahead) {
     noted_.clear();
-    for (const b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext())
+    starts_.clear();
+    for (b2Body* b = world.GetBodyList(); b != nullptr; b = b->GetNext()) {
+        if (b->GetType() != b2_staticBody)
+            starts_.push_back({b, 0, b->GetWorldCenter(), b->GetAngle()});
         if (b->GetType() == b2_dynamicBody && b->IsEnabled()) {
             const Motion m = foreseenMotion(*b, ahead, world.GetGravity());
             noted_.push_back({nullptr, registry.id(b), b->GetWorldCenter() + m.way, b->GetAngle() + m.turn});
         }
+    }
+}
+
+const ForeseenBodies::Pose* ForeseenBodies::startOf(const b2Body& body) const {
+    const auto at = std::find_if(starts_.begin(), starts_.end(), [&](const Pose& p) { return p.body == &body; });
+    return at != starts_.end() ? &*at : nullptr;
+}
+
+bool ForeseenBodies::stood(const b2Body& body) const {
+    const Pose* start = startOf(body);
+    return start != nullptr && start->centre == body.GetWorldCenter() && start->angle == body.GetAngle();
 }
 
 ForeseenBodies::Pose ForeseenBodies::straying(const BodyRegistry& registry, std::span<const step::BodyId> known,

@@ -19,7 +19,11 @@ public:
     };
 
     /// Before a step of `ahead` s.
-    void note(const b2World& world, const BodyRegistry& registry, float ahead);
+    void note(b2World& world, const BodyRegistry& registry, float ahead);
+    /// Where a body that may move was before it; null: it was not there.
+    [[nodiscard]] const Pose* startOf(const b2Body& body) const;
+    /// After it: whether a body stands where it stood before.
+    [[nodiscard]] bool stood(const b2Body& body) const;
     /// After it: where the bodies were foreseen that strayed from there, but those of `known` (sorted), and the ways.
     template <class Take>
     void forStrays(const BodyRegistry& registry, std::span<const step::BodyId> known, Take take) const {
@@ -34,7 +38,8 @@ private:
     static Pose straying(const BodyRegistry& registry, std::span<const step::BodyId> known, const Pose& noted,
                          Motion& stray);
 
-    std::vector<Pose> noted_; ///< without pointers: bodies may be destroyed within the step
+    std::vector<Pose> noted_;  ///< without pointers: bodies may be destroyed within the step
+    std::vector<Pose> starts_; ///< of bodies that may move, before the step; pointers are compared, never followed
 };
 
 } // namespace supercircle::bridge

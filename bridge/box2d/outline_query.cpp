@@ -29,7 +29,12 @@ bool treeIsSound(const b2World& world) {
     return true;
 }
 
-/// Box of a piece on a motion from where it is.
+bool meetsOne(const b2AABB& piece, std::span<const b2AABB> boxes) {
+    return std::any_of(boxes.begin(), boxes.end(), [&](const b2AABB& box) { return b2TestOverlap(piece, box); });
+}
+
+} // namespace
+
 b2AABB sweptBox(const Piece& p, const Motion& motion) {
     b2AABB box = boxOf(p);
     const float swing =
@@ -38,12 +43,6 @@ b2AABB sweptBox(const Piece& p, const Motion& motion) {
     box.upperBound += b2Max(motion.way, b2Vec2_zero) + b2Vec2(swing, swing);
     return box;
 }
-
-bool meetsOne(const b2AABB& piece, std::span<const b2AABB> boxes) {
-    return std::any_of(boxes.begin(), boxes.end(), [&](const b2AABB& box) { return b2TestOverlap(piece, box); });
-}
-
-} // namespace
 
 Motion foreseenMotion(const b2Body& body, float ahead, const b2Vec2& gravity) {
     Motion m;

@@ -28,6 +28,9 @@ struct Motion {
 /// constraints and its user do to it within the step is not foreseen.
 Motion foreseenMotion(const b2Body& body, float ahead, const b2Vec2& gravity);
 
+/// Box of a piece on a motion from where it is.
+b2AABB sweptBox(const Piece& piece, const Motion& motion);
+
 /// Keeps its storage between queries. Only enabled bodies are found.
 class OutlineQuery {
 public:

@@ -97,11 +97,9 @@ Status Session::restoreState(const std::vector<std::uint8_t>& state) {
     std::string random;
     std::vector<step::BodyId> moving;
     in(shells, random, moving);
-    for (const step::BodyId id : moving) {
-        step::BodyState b;
+    std::vector<step::BodyState> states(in.fault().empty() ? moving.size() : 0);
+    for (step::BodyState& b : states)
         in(b.centre, b.angle, b.velocity, b.spin);
-        host_->put(id, b);
-    }
     io(*this, in);
     in(earlier_.wall, earlier_.cpu, earlier_.protocolCpu, earlier_.stages);
     if (!in.fault().empty() || in.left() != 0 || !random_.setState(random))
@@ -110,6 +108,8 @@ Status Session::restoreState(const std::vector<std::uint8_t>& state) {
     const Result<Snapshot> snapshot = Snapshot::from_bytes(std::move(shells));
     if (!snapshot)
         return Status::failure(snapshot.error());
+    for (std::size_t i = 0; i < moving.size(); ++i)
+        host_->put(moving[i], states[i]);
     if (Status restored = shells_.restore(*snapshot); !restored)
         return restored;
     for (ForceHandle& force : released_)

@@ -76,7 +76,7 @@ std::string readBody(Context& context, ObjectReader& game, const std::string& ke
     for (const step::BodyDefinition& b : scene.rigid.bodies) {
         if (b.type == type && !b.name.empty())
             names.push_back(b.name);
-        if (b.name == name)
+        if (b.name == name && !name.empty()) // "" names none, although bodies may go without a name
             found = &b;
     }
     if (found == nullptr)
@@ -124,8 +124,10 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.time = game.number("time", g.time, positive);
     g.limit = game.number("limit", g.limit, positive);
     g.budget = game.number("budget", g.budget, positive);
+    const std::size_t before = context.errors();
     g.heights = game.numbers("heights", positive);
-    if (const std::optional<Node> heights = game.find("heights"); heights && g.heights.empty())
+    if (const std::optional<Node> heights = game.find("heights");
+        heights && g.heights.empty() && context.errors() == before)
         context.error(*heights, "/game/heights", "no height", "at least one, m");
     g.fuel = game.number("fuel", g.fuel, positive);
     g.thrust = game.number("thrust", g.thrust, positive);
@@ -133,7 +135,8 @@ void readGame(Context& context, ObjectReader& top, const Scene& scene, std::opti
     g.speed = game.number("speed", g.speed, positive);
     for (const ArrayItem& place : game.array("part"))
         g.parts.push_back(readPart(context, place));
-    if (const std::optional<Node> parts = game.find("part"); parts && (g.parts.empty() || g.parts.size() > 9))
+    if (const std::optional<Node> parts = game.find("part");
+        parts && parts->kind() == Node::Kind::Array && (g.parts.empty() || g.parts.size() > 9))
         context.error(*parts, "/game/part", std::to_string(g.parts.size()) + " parts", "1 to 9");
     game.finish();
     out = std::move(g);

@@ -11,7 +11,6 @@ namespace supercircle::step {
 
 namespace {
 
-constexpr double kLeave = 0.02; ///< h, difference of place that is left to the drift
 /// h, motion in a frame up to which a body rests, and up to which its original then goes back to the copy: roundings
 /// and what the host's sweeps leave. Half of it and twice as much keep a stack of crates as well (it gains 4e-8 to
 /// 1.4e-7 J in a minute, 5.5e-7 J without). The host lifts a fifth of an overlap in a frame, so bodies may stay five
@@ -74,7 +73,7 @@ bool putBackCrossing(const World& world, const PairFilter& filter, Port& port, H
     if (!h.coupled)
         moveAlong(b.state, h.seen, share, b.state);
     port.putBack(b.id, b.state.centre, b.state.angle);
-    (void)port.state(b.id, h.seen); // it answered in this frame
+    seePutBack(port, b);
     return true;
 }
 

@@ -157,7 +157,7 @@ void putBackStrays(World& world, const PairFilter& filter, Port& port, HostCoupl
         if (copy != nullptr) {
             copy->state.centre = now.centre;
             copy->state.angle = now.angle;
-            (void)port.state(s.body, copy->hostCoupling.seen); // it answered above
+            seePutBack(port, *copy);
         }
     }
 }

@@ -42,6 +42,19 @@ inline void moveAlong(const BodyState& from, const BodyState& to, double share, 
     out.angle = from.angle + share * (to.angle - from.angle);
 }
 
+constexpr double kLeave = 0.02; ///< h, difference of place that is left to the drift
+
+/// Reads where the original of a copy was put back to. The copy follows it where it could not get there: the copy knows
+/// nothing of what the body had not touched when the frame began.
+inline void seePutBack(const Port& port, Body& copy) {
+    BodyState& seen = copy.hostCoupling.seen;
+    (void)port.state(copy.id, seen); // it answered in this frame
+    if ((seen.centre - copy.state.centre).norm() > kLeave * copy.thicknessNear) {
+        copy.state.centre = seen.centre;
+        copy.state.angle = seen.angle;
+    }
+}
+
 /// After the host's step: puts back the bodies that are past a shell of which no outline was read for this frame.
 void putBackStrays(World& world, const PairFilter& filter, Port& port, HostCouplingWork& work);
 

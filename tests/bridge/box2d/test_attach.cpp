@@ -213,8 +213,13 @@ TEST_CASE("invalid numbers never reach Box2D", "[bridge]") {
     port->query({Vec2(nan, 0.0), Vec2(1.0, 1.0)}, out);
     CHECK(out.empty());
     CHECK(port->errorCount() == 7);
+    BodyState lost;
+    lost.centre = Vec2(nan, 0.0);
+    port->put(idPlate, lost); // as from a damaged checkpoint
+    CHECK(port->lastError().find("put: ") == 0);
+    CHECK(plate->GetPosition() == b2Vec2(5.0F, 0.0F));
     port->drive(id, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0);
-    CHECK(port->errorCount() == 8);
+    CHECK(port->errorCount() == 9);
     CHECK(port->lastError().find("kinematic") != std::string::npos);
     CHECK(body->GetLinearVelocity() == b2Vec2(0.0F, 0.0F));
     world.Step(0.01F, 8, 3);

@@ -436,6 +436,17 @@ TEST_CASE("errors in a level are reported at their positions") {
     CHECK(contains(all, "4:13: /game/goal: the area is empty"));
 }
 
+TEST_CASE("a level names its bodies, and each fault of it is one message") {
+    const auto errors = refused(R"({
+  "body": [{"type": 2}, {"type": 1}],
+  "game": {"kind": "egg_drop", "actor": "", "carrier": "", "heights": "high", "part": 3}})");
+    const std::string all = say(errors);
+    INFO(all);
+    CHECK(errors.size() == 4); // bodies without a name are not named ""
+    for (const char* key : {"actor", "carrier", "heights", "part"})
+        CHECK(contains(all, std::string("/game/") + key + ": "));
+}
+
 TEST_CASE("an unknown accuracy is named with those there are") {
     const Problem p = only(shellWith("\"mu\": 0.1").insert(1, R"("numerics": {"accuracy": "exakt"}, )"));
     CHECK(contains(p.toString(), "/numerics/accuracy"));

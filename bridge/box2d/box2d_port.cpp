@@ -32,35 +32,34 @@ using step::Vec2;
 
 namespace {
 
-constexpr double kMaxHost = 1e7; // beyond it Box2D's floats resolve less than a length unit; far below overflow
+/// Largest coordinate, velocity, angle and spin that Box2D is given, in its units: floats of that size are 1 apart.
+constexpr double kMaxHost = 1e7;
 
 /// A body moved by drive(): the exact motion and Box2D's rounded pose.
 struct Driven {
-    Vec2 centre = Vec2::Zero();
-    double angle = 0.0;
-    Vec2 velocity = Vec2::Zero();
-    double spin = 0.0;
-    b2Vec2 hostCentre{0.0F, 0.0F};
-    float hostAngle = 0.0F;
+    Vec2 centre = Vec2::Zero();    ///< m
+    double angle = 0.0;            ///< rad
+    Vec2 velocity = Vec2::Zero();  ///< m/s
+    double spin = 0.0;             ///< rad/s
+    b2Vec2 hostCentre{0.0F, 0.0F}; ///< Box2D units
+    float hostAngle = 0.0F;        ///< rad
 };
 
+/// A call of applyImpulse() or drive() that came while the world was locked.
 struct Deferred {
     BodyId body = 0;
     bool isDrive = false;
-    Vec2 linear = Vec2::Zero(); ///< impulse, or velocity
-    double angular = 0.0;       ///< angular impulse, or spin
-    Vec2 centre = Vec2::Zero();
-    double angle = 0.0;
+    Vec2 linear = Vec2::Zero(); ///< impulse, N s; of drive() velocity, m/s
+    double angular = 0.0;       ///< angular impulse, N m s; of drive() spin, rad/s
+    Vec2 centre = Vec2::Zero(); ///< of drive(), m
+    double angle = 0.0;         ///< of drive(), rad
 };
-
-Vec2 toSi(const b2Vec2& v, double scale) {
-    return {static_cast<double>(v.x) / scale, static_cast<double>(v.y) / scale};
-}
 
 bool fits(const Vec2& v, double scale) {
     return std::abs(v.x() * scale) < kMaxHost && std::abs(v.y() * scale) < kMaxHost; // false for NaN too
 }
 
+/// Impulses are not rounded against a place: it is enough that they are far from the largest float, 3e38.
 bool fitsFloat(double v) {
     return std::abs(v) < 1e30;
 }
@@ -106,7 +105,7 @@ struct Box2dPort::Impl {
         }
     }
 
-    /// Null, with an error, unless it can be changed.
+    /// The body `id` if it is dynamic and the world is not locked; else null, with an error that names the `call`.
     b2Body* dynamicBody(BodyId id, const char* call) {
         b2Body* b = registry.body(id);
         if (b != nullptr && b->GetType() == b2_dynamicBody && !world->IsLocked())
@@ -115,7 +114,7 @@ struct Box2dPort::Impl {
         return nullptr;
     }
 
-    /// The same, or if the pose is not finite or too far away.
+    /// The same for a new pose, after a sync; null as well if the pose is not finite or too far away.
     b2Body* placeable(BodyId id, const Vec2& centre, double angle, const char* call) {
         sync(false);
         if (fits(centre, scale) && std::abs(angle) < kMaxHost)
@@ -144,8 +143,8 @@ struct Box2dPort::Impl {
         return false;
     }
 
-    /// Null, with an error, unless there is such a kinematic body. It gets this pose and velocity.
-    b2Body* place(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
+    /// Gives a kinematic body this pose and velocity. Null, with an error, if there is no such body.
+    b2Body* placeKinematic(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
         b2Body* b = registry.body(id);
         if (b == nullptr || b->GetType() != b2_kinematicBody) {
             recordError(b == nullptr ? "drive: the body no longer exists; the call is ignored"
@@ -159,10 +158,11 @@ struct Box2dPort::Impl {
     }
 
     void drive(BodyId id, const Vec2& centre, double angle, const Vec2& velocity, double spin) {
-        if (const b2Body* b = place(id, centre, angle, velocity, spin))
+        if (const b2Body* b = placeKinematic(id, centre, angle, velocity, spin))
             driven[id] = {centre, angle, velocity, spin, b->GetWorldCenter(), b->GetAngle()};
     }
 
+    /// Puts the exact pose and velocity of a driven body into `out`, as far as Box2D has their rounded values.
     void reportExactMotion(BodyId id, const b2Body& body, BodyState& out) const {
         const auto found = driven.find(id);
         if (found == driven.end())
@@ -179,7 +179,7 @@ struct Box2dPort::Impl {
         }
     }
 
-    /// hostBoxes: the boxes in host units, without those that cannot be.
+    /// Syncs, and fills hostBoxes: the boxes in Box2D units without those that are not finite or too far away.
     void findBoxes(std::span<const Box> boxes, bool thorough = true) {
         sync(thorough);
         hostBoxes.clear();
@@ -190,6 +190,7 @@ struct Box2dPort::Impl {
                 recordError("query: the box is not finite or too far away");
     }
 
+    /// Leaves a message for takeNote() where a fixture has a restitution, once a world.
     void noteRestitution(const std::vector<Piece>& pieces) {
         if (restitutionNoted)
             return;
@@ -202,7 +203,7 @@ struct Box2dPort::Impl {
             }
     }
 
-    /// Appends the pieces in the order (body id, key).
+    /// Appends the outlines of the pieces in the order (body id, key).
     void append(const std::vector<Piece>& pieces, std::vector<BodyOutline>& out) {
         noteRestitution(pieces);
         const std::size_t first = out.size();
@@ -375,7 +376,7 @@ void Box2dPort::put(BodyId body, const BodyState& state) {
     if (impl_->world->IsLocked())
         impl_->recordError("put: the world is locked");
     else if (impl_->isMotion(state.centre, state.angle, state.velocity, state.spin, "put"))
-        impl_->place(body, state.centre, state.angle, state.velocity, state.spin);
+        impl_->placeKinematic(body, state.centre, state.angle, state.velocity, state.spin);
 }
 
 BodyId Box2dPort::find(const std::string& name) const {
@@ -471,6 +472,7 @@ void Box2dPort::stepped(double dt) {
         const Vec2 centre = d.centre + dt * d.velocity;
         const double angle = d.angle + dt * d.spin;
         // Box2D limits the displacement of one step, and the user may have moved the body: then its pose is correct.
+        // Floats are rounded to 6e-8 of the place, some times in a step.
         const double rounding = 1e-6 * (1.0 + impl_->scale * (centre.cwiseAbs().maxCoeff() + d.centre.norm()));
         const Vec2 off = toSi(b->GetWorldCenter(), 1.0) - impl_->scale * centre;
         const bool arrived = off.cwiseAbs().maxCoeff() < rounding &&

@@ -26,7 +26,7 @@ namespace supercircle::bridge {
 /// the world's body count or youngest body differ.
 ///
 /// Locked world (inside its callbacks): reading works; applyImpulse and drive are deferred, in order, to the first call
-/// of the port after the world is unlocked.
+/// of the port after the world is unlocked; setVelocity, place and putBack are invalid calls.
 ///
 /// Invalid calls (non-finite values, drive on a body that is not kinematic) do not reach Box2D, which would abort. Such
 /// a call changes nothing; errorCount() counts it and lastError() gives the reason.
@@ -59,7 +59,7 @@ public:
                  std::vector<step::StrayBody>& strays, std::vector<step::BodyOutline>& out) const override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
-    /// As of step::HostWorld; outside of the world's own step.
+    /// As of step::HostWorld; outside of the world's own step. The numbers of `state` are not checked.
     void put(step::BodyId body, const step::BodyState& state);
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
     /// Creates the bodies and joints in the world (scale of this port, not of the definition), names them for find(),

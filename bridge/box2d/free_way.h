@@ -6,7 +6,7 @@
 
 namespace supercircle::bridge {
 
-/// Moves a body to a pose (centre of mass, host units), whatever is there.
+/// Moves a body to a pose (centre of mass, host units; Box2D's own is that of the origin), whatever is there.
 void moveTo(b2Body& body, const b2Vec2& centre, float angle);
 
 /// The same in a straight line until it meets a static or kinematic body, which stands still meanwhile. Motions within

@@ -1,5 +1,5 @@
 #pragma once
-// Conversion of positions and vectors in metres to Box2D units (private to bridge/).
+// Positions and vectors in metres to Box2D units and back (private to bridge/).
 
 #include <supercircle/definitions.hpp>
 
@@ -14,6 +14,9 @@ inline b2Vec2 toHost(const Eigen::Vector2d& v, double scale) {
 }
 inline b2Vec2 toHost(const Point& p, double scale) {
     return {static_cast<float>(p.x * scale), static_cast<float>(p.y * scale)};
+}
+inline Eigen::Vector2d toSi(const b2Vec2& v, double scale) {
+    return {static_cast<double>(v.x) / scale, static_cast<double>(v.y) / scale};
 }
 
 } // namespace supercircle::bridge

@@ -3,13 +3,14 @@
 #include "bridge/box2d/rigid_check.h"
 #include "bridge/c/json.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace supercircle::c {
 
 namespace {
 
-/// What Box2D cannot play, found after the text is read.
+/// The first thing in a valid scene that Box2D would answer by aborting the process. It has no place in the text.
 std::vector<scene::Problem> hostProblems(const scene::Scene& s, const std::string& file) {
     std::string why = bridge::checkDefinition(s.rigid);
     if (why.empty())
@@ -20,6 +21,7 @@ std::vector<scene::Problem> hostProblems(const scene::Scene& s, const std::strin
     return {p};
 }
 
+/// Appends all problems to `problems`; fails with the text of the errors if there is one.
 Result<scene::Scene> load(const std::string& text, const std::string& file,
                           const std::vector<std::pair<std::string, double>>& parameters,
                           std::vector<scene::Problem>& problems, std::optional<double> fragmentOf = {}) {

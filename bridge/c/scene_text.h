@@ -13,7 +13,7 @@ namespace supercircle::c {
 
 /// `file` in messages; "scene" if null.
 std::string fileName(const char* file);
-/// {"name": number}; null: none.
+/// Names and values of the JSON object {"name": number}; null: none. Refuses anything else.
 std::vector<std::pair<std::string, double>> parametersOf(const char* json);
 /// Reads a scene; refuses with all errors, one a line, also those that only Box2D has. `notes`: one a line.
 /// `fragmentOf`: as of scene::loadText.

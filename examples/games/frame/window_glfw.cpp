@@ -1,5 +1,5 @@
-// OpenGL 3.3 draws the picture. Where there is none, Cairo draws it as for PNG files, and OpenGL 1.2 shows it as one
-// texture.
+// OpenGL 3.3 draws the picture. Where there is none, Cairo draws it as for PNG files, and OpenGL 2.0 shows it as one
+// texture, whose size is no power of two.
 
 #include "examples/games/frame/window.h"
 
@@ -14,6 +14,8 @@
 namespace supercircle::frame {
 
 namespace {
+
+constexpr int kLeastWindow = 64; ///< px; a minimised window has 0, of which no canvas can be made
 
 std::string keyName(int key) {
     if (key >= GLFW_KEY_A && key <= GLFW_KEY_Z)
@@ -51,7 +53,7 @@ struct Window::Impl {
     GLFWwindow* window = nullptr;
     bool started = false;
     Pointer pointer;
-    GLuint texture = 0;
+    GLuint texture = 0;                 ///< of what Cairo draws
     std::unique_ptr<GlPicture> picture; ///< null: Cairo draws
     Input* input = nullptr;             ///< while polling
 
@@ -61,7 +63,7 @@ struct Window::Impl {
     void pixel(double x, double y, graphics::Point& out) const;
 };
 
-/// Cursor positions are in screen coordinates, pictures in pixels.
+/// Place `out` in pixels of the picture of a cursor at x, y, which GLFW gives in screen coordinates.
 void Window::Impl::pixel(double x, double y, graphics::Point& out) const {
     int ww = 1, wh = 1, fw = 1, fh = 1;
     glfwGetWindowSize(window, &ww, &wh);
@@ -128,7 +130,7 @@ std::string Window::open(int width, int height, const std::string& title) {
             glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
             glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
         }
-        if (impl_->window != nullptr)
+        if (impl_->window != nullptr) // a window keeps the kind of its context
             glfwDestroyWindow(impl_->window);
         impl_->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
         if (impl_->window == nullptr)
@@ -171,13 +173,13 @@ const Pointer& Window::pointer() const {
 int Window::width() const {
     int w = 0, h = 0;
     glfwGetFramebufferSize(impl_->window, &w, &h);
-    return std::max(w, 64);
+    return std::max(w, kLeastWindow);
 }
 
 int Window::height() const {
     int w = 0, h = 0;
     glfwGetFramebufferSize(impl_->window, &w, &h);
-    return std::max(h, 64);
+    return std::max(h, kLeastWindow);
 }
 
 double Window::seconds() const {
@@ -222,7 +224,7 @@ std::vector<std::uint32_t> Window::pixels(const picture::DrawList& list, const g
     impl_->draw(list, over, width(), height());
     std::vector<std::uint32_t> upwards(w * h), out;
     glReadPixels(0, 0, width(), height(), GL_BGRA, GL_UNSIGNED_INT_8_8_8_8_REV, upwards.data());
-    for (std::size_t y = h; y-- > 0;)
+    for (std::size_t y = h; y-- > 0;) // rows of OpenGL begin at the bottom
         out.insert(out.end(), upwards.begin() + static_cast<std::ptrdiff_t>(y * w),
                    upwards.begin() + static_cast<std::ptrdiff_t>((y + 1) * w));
     return out;

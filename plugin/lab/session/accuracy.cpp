@@ -6,7 +6,7 @@
 
 namespace supercircle::lab {
 
-/// After setStepLimits(). A fixed step and a longest step that the scene gives stay.
+/// After setStepLimits(). With a fixed step no limit changes; a longest step that the scene gives stays.
 void Session::setAccuracy(double speed) {
     const AccuracyLevel level = levelOf(accuracy_);
     step::Settings& s = shells_.stepper().settings();
@@ -19,7 +19,7 @@ void Session::setAccuracy(double speed) {
     sampleTravel_ = 0.0;
     if (level.longestStep == 1.0 || speed == 0.0 || scene_.numerics.dt_max > 0.0)
         return;
-    sampleTravel_ = std::abs(speed) * s.dtMax;
+    sampleTravel_ = std::abs(speed) * s.dtMax; // addRowsBetween() keeps the rows of exact within a longer step
     s.dtMax *= level.longestStep;
     frame_ = s.dtMax;
 }

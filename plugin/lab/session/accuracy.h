@@ -10,7 +10,7 @@ struct AccuracyLevel {
     double longestStep; ///< over that of exact, which is one sample
     double motion;      ///< step::Settings::motionLimit, over that of exact
     double error;       ///< step::Settings::localError, over that of exact
-    double relinearise; ///< step::Settings::relinearise, h
+    double relinearise; ///< step::Settings::relinearise, in thicknesses of the thinnest shell
     bool cull;          ///< leave out contacts that cannot meet in a step, and give hard problems up early
 };
 

@@ -24,7 +24,7 @@ std::vector<ForceDrop> forceDrops(std::span<const double> displacement, std::spa
 
 /// Merges drops whose tops lie within `maxGap` (m) of the end of the drop before: the force rings after a snap and
 /// rebounds in a long fall. The size of a merged drop is the fall from its first top to its lowest bottom, or the
-/// largest of its parts.
+/// largest of its parts; its `top` is that of the first part, its `bottom` that of the last one.
 std::vector<ForceDrop> mergeDrops(std::span<const double> displacement, std::span<const double> force,
                                   const std::vector<ForceDrop>& drops, double maxGap);
 

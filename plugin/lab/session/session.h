@@ -105,7 +105,7 @@ private:
     [[nodiscard]] std::string dropBatch(int count);
     /// Sets the largest step and frame while the crosshead moves at `speed` m/s for `branch` m.
     void setStepLimits(double speed, double branch = std::numeric_limits<double>::infinity());
-    void setAccuracy(double speed); ///< of a segment
+    void setAccuracy(double speed); ///< of a segment at `speed` m/s
     void addRow(double time, double travel, double force);
     void addRowsBetween(double rawForce);
     [[nodiscard]] double pileTop() const;         ///< highest point of the shells' surfaces, m

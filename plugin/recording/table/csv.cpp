@@ -23,7 +23,8 @@ std::string_view trimmed(std::string_view text) {
                                            : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Cells of one line; empty message on success. Quoted cells do not run over lines: a number never needs to.
+/// Cells of one line. Returns an empty text, or what is wrong at `errorColumn` (from 1). Quoted cells do not run over
+/// lines: a number never needs to.
 std::string split(std::string_view line, char delimiter, std::vector<Cell>& cells, std::size_t& errorColumn) {
     cells.clear();
     std::size_t i = 0;
@@ -61,18 +62,18 @@ std::string split(std::string_view line, char delimiter, std::vector<Cell>& cell
     }
 }
 
-/// Lines of a text, numbered from 1, without their ends and without those that say nothing.
+/// Lines of a text without their ends; blank lines and comments are counted and left out.
 class Lines {
 public:
-    explicit Lines(std::string_view text) : rest(text) {
-        if (rest.substr(0, 3) == "\xEF\xBB\xBF")
-            rest.remove_prefix(3);
+    explicit Lines(std::string_view text) : rest_(text) {
+        if (rest_.substr(0, 3) == "\xEF\xBB\xBF")
+            rest_.remove_prefix(3);
     }
     bool next(std::string_view& line) {
-        while (!rest.empty()) {
-            const std::size_t end = std::min(rest.find('\n'), rest.size());
-            line = rest.substr(0, end);
-            rest.remove_prefix(std::min(end + 1, rest.size()));
+        while (!rest_.empty()) {
+            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+            line = rest_.substr(0, end);
+            rest_.remove_prefix(std::min(end + 1, rest_.size()));
             ++number;
             if (!line.empty() && line.back() == '\r')
                 line.remove_suffix(1);
@@ -81,10 +82,10 @@ public:
         }
         return false;
     }
-    std::size_t number = 0;
+    std::size_t number = 0; ///< of the line that next() gave last, from 1
 
 private:
-    std::string_view rest;
+    std::string_view rest_;
 };
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -101,71 +102,71 @@ std::string joined(const std::vector<std::string>& names) {
 class Parser {
 public:
     Parser(std::string_view text, const std::string& file, const CsvOptions& choice)
-        : source(file), options(choice), lines(text) {}
+        : source_(file), options_(choice), lines_(text) {}
 
     Result<Series> run() {
         std::string_view line;
-        if (!lines.next(line))
-            return Result<Series>::failure(source + ":1:1: no header line: expected the column names");
+        if (!lines_.next(line))
+            return Result<Series>::failure(source_ + ":1:1: no header line: expected the column names");
         if (std::string message = header(line); !message.empty())
             return Result<Series>::failure(std::move(message));
-        while (lines.next(line))
+        while (lines_.next(line))
             if (std::string message = row(line); !message.empty())
                 return Result<Series>::failure(std::move(message));
-        return std::move(series);
+        return std::move(series_);
     }
 
 private:
     std::string at(std::size_t column, const std::string& what) const {
-        return source + ":" + std::to_string(lines.number) + ":" + std::to_string(column) + ": " + what;
+        return source_ + ":" + std::to_string(lines_.number) + ":" + std::to_string(column) + ": " + what;
     }
 
     std::string header(std::string_view line) {
         std::size_t column = 1;
-        if (const std::string message = split(line, options.delimiter, cells, column); !message.empty())
+        if (const std::string message = split(line, options_.delimiter, cells_, column); !message.empty())
             return at(column, message);
-        for (const Cell& cell : cells) {
+        for (const Cell& cell : cells_) {
             if (cell.text.empty())
                 return at(cell.column, "column without a name");
-            if (contains(all, cell.text))
+            if (contains(names_, cell.text))
                 return at(cell.column, "column '" + cell.text + "' appears twice");
-            all.push_back(cell.text);
-            target.push_back(contains(options.ignored, cell.text) ? -1 : static_cast<int>(series.names.size()));
-            if (target.back() >= 0)
-                series.names.push_back(cell.text);
+            names_.push_back(cell.text);
+            target_.push_back(contains(options_.ignored, cell.text) ? -1 : static_cast<int>(series_.names.size()));
+            if (target_.back() >= 0)
+                series_.names.push_back(cell.text);
         }
-        for (const auto& name : options.required)
-            if (!contains(series.names, name))
-                return at(1, "no column '" + name + "'; there are " + joined(all));
-        series.columns.resize(series.names.size());
+        for (const auto& name : options_.required)
+            if (!contains(series_.names, name))
+                return at(1, "no column '" + name + "'; there are " + joined(names_));
+        series_.columns.resize(series_.names.size());
         return {};
     }
 
     std::string row(std::string_view line) {
         std::size_t column = 1;
-        if (const std::string message = split(line, options.delimiter, cells, column); !message.empty())
+        if (const std::string message = split(line, options_.delimiter, cells_, column); !message.empty())
             return at(column, message);
-        if (cells.size() != all.size())
-            return at(cells.size() < all.size() ? line.size() + 1 : cells[all.size()].column,
-                      std::to_string(cells.size()) + " cells, but " + std::to_string(all.size()) + " columns");
-        for (std::size_t i = 0; i < cells.size(); ++i) {
-            if (target[i] < 0)
+        if (cells_.size() != names_.size())
+            return at(cells_.size() < names_.size() ? line.size() + 1 : cells_[names_.size()].column,
+                      std::to_string(cells_.size()) + " cells, but " + std::to_string(names_.size()) + " columns");
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            if (target_[i] < 0)
                 continue;
             double value = std::numeric_limits<double>::quiet_NaN();
-            if (!cells[i].text.empty() && !parseNumber(cells[i].text, value))
-                return at(cells[i].column, "'" + cells[i].text + "' in column '" + all[i] + "' is not a number");
-            series.columns[static_cast<std::size_t>(target[i])].push_back(value);
+            if (!cells_[i].text.empty() && !parseNumber(cells_[i].text, value))
+                return at(cells_[i].column, "'" + cells_[i].text + "' in column '" + names_[i] + "' is not a number");
+            series_.columns[static_cast<std::size_t>(target_[i])].push_back(value);
         }
         return {};
     }
 
-    const std::string& source;
-    const CsvOptions& options;
-    Lines lines;
-    std::vector<Cell> cells;
-    std::vector<std::string> all;
-    std::vector<int> target; ///< column of the series, -1: ignored
-    Series series;
+    const std::string& source_;
+    const CsvOptions& options_;
+    Lines lines_;
+    std::vector<Cell> cells_;
+    std::vector<std::string> names_;
+    std::vector<int> target_; ///< column of the series, -1: ignored
+    Series series_;
 };
 
 } // namespace

@@ -12,7 +12,7 @@ namespace {
 
 const std::vector<std::string> kKinds{"egg_drop", "lander", "clip"};
 
-/// "#rrggbb"; the fallback after a report.
+/// "#rrggbb" as 0xRRGGBB; the fallback without the key, or after a report.
 std::uint32_t readColour(Context& context, ObjectReader& reader, std::uint32_t fallback) {
     const std::optional<Node> node = reader.find("colour");
     if (!node)
@@ -47,6 +47,7 @@ GamePart readPart(Context& context, const ArrayItem& place) {
     return p;
 }
 
+/// Corners of an area, m; without the key they stay as they are.
 void readArea(Context& context, ObjectReader& game, const std::string& key, Point& lower, Point& upper) {
     const std::optional<Node> node = game.find(key);
     if (!node)
@@ -64,7 +65,8 @@ void readArea(Context& context, ObjectReader& game, const std::string& key, Poin
     upper = {b.x(), b.y()};
 }
 
-/// Name of a body of the wanted type.
+/// Name of a body of the wanted type, which `typeText` names in messages; empty without the key. A body that does not
+/// exist or is of another type is reported.
 std::string readBody(Context& context, ObjectReader& game, const std::string& key, const Scene& scene,
                      step::BodyType type, const char* typeText) {
     const std::optional<Node> node = game.find(key);
@@ -87,6 +89,7 @@ std::string readBody(Context& context, ObjectReader& game, const std::string& ke
     return name;
 }
 
+/// Reports keys that games of this kind need.
 void requireForKind(ObjectReader& game, const std::string& kind) {
     game.require("actor", "the name of a dynamic body");
     game.require("part", "the kinds of shells of the level");

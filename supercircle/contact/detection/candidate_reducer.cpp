@@ -9,7 +9,8 @@ namespace supercircle::contact {
 
 namespace {
 
-constexpr std::uint64_t kRankBits = 0x1ff;
+constexpr std::uint64_t kRankBits = 0x1ff; ///< of a sample payload (feature_id.h)
+constexpr unsigned kSampleShift = 10;      ///< above side and rank
 
 bool isInterior(std::uint64_t id) {
     const Feature kind = featureOf(id);
@@ -33,7 +34,7 @@ void CandidateReducer::addRanked(const Candidate& candidate, double u, double v,
     std::uint64_t rank = 0;
     for (std::size_t i = entries_.size(); i-- > 0;) {
         const std::uint64_t id = entries_[i].candidate.id;
-        if ((id >> 10U) != (candidate.id >> 10U))
+        if ((id >> kSampleShift) != (candidate.id >> kSampleShift))
             break;
         if ((id & ~kRankBits) == candidate.id)
             ++rank;
@@ -73,7 +74,8 @@ void CandidateReducer::finish(std::vector<Candidate>& out) {
     const std::size_t first = out.size();
     for (const std::uint32_t i : order_) {
         out.push_back(entries_[i].candidate);
-        // Equal ids occur only for rods of more than 1023 elements, or elements of more than two sub-arcs.
+        // Equal ids: rods of more than 1023 elements, elements of more than two sub-arcs, more than 512 feet of a
+        // sample. The new id may differ in the next step, which costs the warm start of that contact.
         if (out.size() > first + 1 && out.back().id <= out[out.size() - 2].id)
             out.back().id = out[out.size() - 2].id + 1;
     }

@@ -12,8 +12,8 @@ class CandidateReducer {
 public:
     /// Starts a pair. Candidates whose points agree to `tolerance` (m) on both sides are the same one.
     void begin(double tolerance);
-    /// Adds a candidate with an id of rank 0. `u`, `v`, `w` locate its two points (m). `shared`: another candidate may
-    /// have the same points.
+    /// Adds a candidate whose id has no rank. `u`, `v`, `w` (m) locate its two points: arc lengths on both rods and 0,
+    /// or the arc length on the rod and x, y on the outline. `shared`: another candidate may have the same points.
     void add(const Candidate& candidate, double u, double v, double w, bool shared);
     /// Adds a candidate whose id has a rank in its low bits (SampleRod, CornerRod). The rank counts equal ids since the
     /// last call with a different sample. Calls for one sample must be consecutive, by increasing arc length.

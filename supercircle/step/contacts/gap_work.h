@@ -10,8 +10,8 @@
 
 namespace supercircle::step {
 
-/// Some overlaps by the ids of their contacts, gaps of joints by their keys, and bodies that close up to their
-/// originals by their ids, each sorted.
+/// Penetrations by the ids of their contacts, gaps of joints by the keys of their links, and by their ids bodies whose
+/// copies close up to the host's originals (HostCoupling::drift). Each list is sorted.
 struct GapSet {
     std::vector<std::uint64_t> contacts;
     std::vector<std::uint32_t> links;
@@ -28,7 +28,7 @@ private:
     }
 };
 
-/// A body's way to its original that waits.
+/// The way of a body's copy to the host's original that waits or is slowed: its velocity before that.
 struct WaitingDrift {
     BodyId body = 0;
     Vec2 velocity = Vec2::Zero(); ///< m/s
@@ -37,18 +37,18 @@ struct WaitingDrift {
 
 /// Gaps of a frame whose closing takes much work (gap_energy.h).
 struct GapWork {
-    GapSet suspects; ///< stay open in this trial: it is not known yet why they take work
-    GapSet slowed;   ///< close by a share in this step
-    GapSet waiting;  ///< stay open
-    GapSet lawful;   ///< close against forces that are there anyway
-    std::vector<WaitingDrift> drifts;
-    double share = 0.0;       ///< of slowed gaps
-    double power = 0.0;       ///< that the suspects would take, W
-    double allowed = 0.0;     ///< to them besides, J
-    bool acquitted = false;   ///< the trial is one again whose gaps were found to be lawful
-    double lawfulPower = 0.0; ///< that lawful gaps may take, W
-    double lawfulWork = 0.0;  ///< that they took within it so far, J
-    /// How much of its closing a gap may make: 1 as a rule.
+    GapSet suspects;                  ///< stay open in this trial: it is not known yet why they take work
+    GapSet slowed;                    ///< close by a share in this step
+    GapSet waiting;                   ///< stay open
+    GapSet lawful;                    ///< close against forces that are there anyway
+    std::vector<WaitingDrift> drifts; ///< of the bodies among them
+    double share = 0.0;               ///< of its closing that a slowed gap makes, 0 to 1
+    double power = 0.0;               ///< that all gaps took in the trial that made some of them suspects, W
+    double allowed = 0.0;             ///< to the suspects beyond the work of the force they carry while open, J
+    bool acquitted = false;           ///< this trial repeats one whose suspects were found to be lawful or were slowed
+    double lawfulPower = 0.0;         ///< that lawful gaps may take, W
+    double lawfulWork = 0.0;          ///< of that, what they took in the accepted steps of this frame, J
+    /// How much of its closing a gap may make, 0 to 1: 1 as a rule.
     [[nodiscard]] double shareOfContact(std::uint64_t id) const {
         return suspects.contact(id) || waiting.contact(id) ? 0.0 : slowed.contact(id) ? share : 1.0;
     }
@@ -58,6 +58,7 @@ struct GapWork {
     [[nodiscard]] double shareOfBody(BodyId id) const {
         return suspects.body(id) || waiting.body(id) ? 0.0 : slowed.body(id) ? share : 1.0;
     }
+    /// Whether a gap does not close as fast as it could.
     [[nodiscard]] bool any() const { return suspects.any() || slowed.any() || waiting.any(); }
 };
 

@@ -11,6 +11,8 @@ namespace supercircle::step {
 
 namespace {
 
+/// Which rods carry a contact force. Held ones count too: the rows of holds are those of mid-step as well, so that how
+/// far the rod may move is limited.
 void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
     for (RodWork& w : rods)
         w.touching = w.C.rows() > 0;
@@ -25,7 +27,7 @@ void markTouching(std::vector<RodWork>& rods, const ContactStage& stage) {
 /// Whether an element is curled up to more than a circle: its arc stands for no shell. No law of the material or of
 /// its speed is asked: ropes are slow, whips are fast, and both are right.
 bool excessiveCurvature(const rod::RodModel& model, const Eigen::VectorXd& q) {
-    constexpr double kMostTurn = 2.0 * M_PI;
+    constexpr double kMostTurn = 2.0 * M_PI; // rad
     for (int i = 0; i < model.elements(); ++i)
         if (std::abs(q[model.dofOfElement(i)]) * model.elementLength(i) > kMostTurn)
             return true;
@@ -49,7 +51,8 @@ void markNear(const World& world, const TrialStep& t, std::vector<char>& near) {
 /// that swings, which damp it less; twice as much doubles what its held end strays, the square of the motion over R.
 constexpr double kHeldShare = 0.012;
 
-/// Largest error and motion; runaways; whether a rod moved beyond the candidates' range, which is then widened.
+/// Largest error and motion; runaways; whether a rod came farther from its linearisation point than the range of the
+/// candidates, which is then widened.
 bool measure(const World& world, const Settings& settings, TrialStep& t) {
     t.error = t.moved = 0.0;
     t.result.runaways.clear();
@@ -66,6 +69,7 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
             t.moved = std::max(t.moved, w.moved * t.relative(std::max(t.lengths[i], least)));
         if (!w.frozen && excessiveCurvature(world.rods[i].model, w.q1))
             t.result.runaways.push_back(i);
+        // Two rods share the margin: a fifth of it is left. A wider solution may go farther than this one.
         if (w.shift > t.result.range[i] + 0.4 * settings.margin * t.h) {
             outOfRange = true;
             t.result.range[i] = 1.5 * w.shift;
@@ -74,7 +78,8 @@ bool measure(const World& world, const Settings& settings, TrialStep& t) {
     return outOfRange;
 }
 
-/// Sleeping rods that somebody pressed on, or of whose island a body was pressed on.
+/// Sleeping rods that are pressed on, and those in the island of a sleeping body that is. Side A of a contact with an
+/// outline is awake: detection has no candidates of a sleeping rod and an outline.
 void findPressedSleepers(const World& world, TrialStep& t) {
     t.result.sleepers.clear();
     for (std::size_t i = 0; i < t.stage.candidates.size(); ++i) {
@@ -114,7 +119,7 @@ void integrate(const World& world, TrialStep& t) {
 
 bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, bool& wider) {
     SC_ASSERT(t.reached == Stage::Integrate, "a motion was found");
-    constexpr int kMostWidenings = 4;
+    constexpr int kMostWidenings = 4; // a motion that outruns every wider range needs a shorter step
     const bool adaptive = settings.fixedDt <= 0.0;
     const auto reject = [&](Reason reason) {
         t.result.reason = reason;
@@ -129,14 +134,14 @@ bool judgeMotion(const World& world, const Settings& settings, TrialStep& t, boo
     if (!t.result.sleepers.empty())
         return reject(Reason::SleeperPressed);
     const bool outOfRange = measure(world, settings, t);
-    // Relinearised: new candidates come from the end of the last attempt.
+    // After that new candidates come from the end of the last linearisation.
     wider = outOfRange && t.first();
     if (wider)
         ++t.widenings;
-    if (adaptive && t.dt > 2.0 * settings.dtMin) {
+    if (adaptive && t.dt > 2.0 * settings.dtMin) { // the smallest step stands with its error (Part::isSmallest)
         if (t.moved > settings.motionLimit * t.h)
             return reject(Reason::MotionTooLarge);
-        if (t.error > 2.0 * settings.localError * t.h)
+        if (t.error > 2.0 * settings.localError * t.h) // the controller aims at half of it
             return reject(Reason::LocalError);
     }
     if (adaptive && !t.result.runaways.empty())

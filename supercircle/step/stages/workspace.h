@@ -214,8 +214,8 @@ struct RodWork {
     /// Whether it takes part in the equations of the attempt.
     [[nodiscard]] bool solved() const { return !frozen && !isFree; }
     FreeWork free;
-    int body = -1; ///< index into the contact problem, -1: no candidates
-    bool touching = false;
+    int body = -1;         ///< index into the contact problem, -1: no candidates
+    bool touching = false; ///< carries a contact force in this attempt, or has holds
     Eigen::VectorXd vFree;
     EffectWork effects;
     Eigen::VectorXd difference, product; ///< scratch, n

@@ -11,7 +11,7 @@ namespace toy {
 
 using namespace supercircle::diagnosis;
 
-/// Triangular motions of two speeds with a dwell at the top.
+/// Down by 0.01 m and back at `speed` m/s, with dwells before, between and after; `rate` readings per s.
 RecordedRun motion(const std::string& name, double speed, double rate);
 
 /// Force = stiffness x + friction sign(v) + additions. Derived models change the result.

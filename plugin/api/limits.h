@@ -20,9 +20,9 @@ constexpr double kFarthest = 1e12;   ///< m, coordinates and lengths; rad
 constexpr double kFastest = 1e9;     ///< m/s; rad/s and Hz
 constexpr double kMostEnergy = 1e30; ///< J
 constexpr double kMostTurn = 8.0 * M_PI;
-constexpr int kFewestElements = 3; ///< one or two arcs cannot bend where they are pressed: no contact problem under a
-                                   ///< load has a solution
-constexpr int kMostElements = 4096;
+constexpr int kFewestElements = 3;  ///< one or two arcs cannot bend where they are pressed: no contact problem under a
+                                    ///< load has a solution
+constexpr int kMostElements = 1024; ///< ids of contacts have room for so many (contact/detection/feature_id.h)
 constexpr std::size_t kMostPointMasses = 256; ///< on a shell
 constexpr double kMostFriction = 1e9;
 constexpr double kScale =

@@ -1,6 +1,7 @@
 #pragma once
 // The fields of the saved world (private to plugin/api); see snapshot_fields.h.
 
+#include "plugin/api/limits.h"
 #include "plugin/api/shells_impl.h"
 #include "plugin/api/snapshot_archive.h"
 #include "plugin/api/snapshot_counts.h"
@@ -30,7 +31,8 @@ void io(Ar& ar, Is<rod::RodModel> auto& model) {
         ar(d);
         if (!ar.fault().empty())
             return;
-        if (const std::string why = d.naturalCurvature.size() <= 4096 ? rod::validate(d) : "too many elements";
+        if (const std::string why =
+                d.naturalCurvature.size() <= limits::kMostElements ? rod::validate(d) : "too many elements";
             !why.empty())
             ar.fail("a shell in it is impossible: " + why);
         else

@@ -100,7 +100,7 @@ TEST_CASE("bad definitions fail with a reason and change nothing", "[plugin]") {
         refused("curvature", [&](ShellDef& d) { d.curvature.assign(15, bad); });
         refused("natural_curvature", [&](ShellDef& d) { d.natural_curvature.assign(15, bad); });
     }
-    for (const int bad : {2, 1, 0, -1, 5000})
+    for (const int bad : {2, 1, 0, -1, 1025})
         refused("elements", [&](ShellDef& d) { d.elements = bad; });
     refused("too few curvatures", [](ShellDef& d) { d.curvature.assign(14, 0.0); });
     refused("too many natural curvatures", [](ShellDef& d) { d.natural_curvature.assign(16, 0.0); });

@@ -59,7 +59,7 @@ public:
                  std::vector<step::StrayBody>& strays, std::vector<step::BodyOutline>& out) const override;
     void drive(step::BodyId body, const step::Vec2& centre, double angle, const step::Vec2& velocity,
                double spin) override;
-    /// As of step::HostWorld; outside of the world's own step. The numbers of `state` are not checked.
+    /// As of step::HostWorld. An invalid call while the world is locked.
     void put(step::BodyId body, const step::BodyState& state);
     [[nodiscard]] step::BodyId find(const std::string& name) const override;
     /// Creates the bodies and joints in the world (scale of this port, not of the definition), names them for find(),

@@ -92,7 +92,7 @@ public:
     /// Moves a dynamic body after a host step without a change of velocity, as far as immovable bodies it touches let
     /// it.
     virtual void place(BodyId body, const Vec2& centre, double angle) = 0;
-    /// The same to where a shell holds it, against what it touches by as much as hosts let bodies overlap.
+    /// The same to where a shell holds it, whatever it touches: as far as it could have come there within the frame.
     virtual void putBack(BodyId body, const Vec2& centre, double angle) { place(body, centre, angle); }
     /// Before its step of `ahead` s: notes where dynamic bodies will be if only gravity changes their motion.
     virtual void foresee(double /*ahead*/) {}

@@ -141,11 +141,12 @@ std::string seconds(double t) {
     return text;
 }
 
-/// Per recorded run with a value of its own, the largest of each name: release, load, added mass.
+/// A parameter that a run states for itself: release, load, added mass.
 struct OwnValue {
     std::size_t run = 0;
     const experiment::SceneParameter* parameter = nullptr;
 };
+/// The largest one of each name that is not 0.
 std::vector<OwnValue> largestOwnValues(const experiment::Experiment& e) {
     std::vector<OwnValue> out;
     for (std::size_t r = 0; r < e.runs.size(); ++r)
@@ -182,6 +183,8 @@ std::vector<PlannedRun> variedRuns(const experiment::Experiment& e) {
     // With a half more, what grows with the square of an amplitude is told from what is proportional to it; three times
     // as much is farther than most fixtures allow, but a scene knows its bounds.
     constexpr double kFactors[] = {0.5, 1.5, 3.0};
+    // With half of the first a run adds half of itself to what was recorded; with twice as much its simulations take
+    // twice as long, and so do they with twice the rows. Half of the rows leaves out long runs of fast cameras.
     constexpr double kLonger = 3.0, kMostRows = 6000.0, kWorthIt = 1.5;
     std::vector<PlannedRun> planned;
     const std::vector<OwnValue> own = largestOwnValues(e);

@@ -338,7 +338,7 @@ std::string detectableText(double detectable) {
     if (!std::isfinite(detectable))
         return "not detectable in these runs";
     if (detectable > kUnrealistic)
-        return "not detectable: more than ten times a relevant amplitude";
+        return "above ten times a relevant amplitude";
     return rounded(100.0 * detectable, 3) + " % of a relevant amplitude" + (detectable > 1.0 ? ": not detectable" : "");
 }
 
